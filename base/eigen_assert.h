@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What Eigen asserts is thrown, in every build type: a process that holds a map does not end because of one matrix.
-// cmake/RumiDefaults.cmake puts this before everything else in every file, so that all have the same Eigen.
+// Eigen's failed assertions throw in every build type, so that one wrong matrix does not end a process that holds a
+// map. cmake/RumiDefaults.cmake includes this file before everything else in every source, so that all see the same
+// Eigen.
 #pragma once
 
 #include <stdexcept>

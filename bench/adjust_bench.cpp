@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one adjustment of a whole map costs: loads a map.db, searches its submaps for links and builds the map from
-// them, as map_server does when it has nothing but them.
+// Measures one adjustment of a whole map: loads a map.db, searches its submaps for links and builds the map from them,
+// as map_server does if it has only the submaps.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -15,8 +15,8 @@ int main(int argc, char** argv) {
   app.add_option("MAP.db", file)->required()->check(CLI::ExistingFile);
   CLI11_PARSE(app, argc, argv);
   try {
-    rumi::map_server::MapStore store = rumi::map_server::MapStore::copy_in_memory(file);
-    const rumi::map_server::Atlas atlas = store.load();
+    rumi::map_server::MapStore store = rumi::map_server::MapStore::copy_in_memory(file).value();
+    const rumi::map_server::Atlas atlas = store.load().value();
     rumi::map_server::BuildInput input;
     for (const auto& [key, owner] : atlas.submaps()) input.submaps[key] = &owner.submap;
     const rumi::map_server::MapBuilderOptions options = rumi::map_server::MapServerOptions().merge.builder;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How many wrong loops of a pose graph are found, and how many right ones lost: by graduated non-convexity, and by
-// taking out the worst and solving again.
+// Compares two ways to find the wrong loops of a pose graph: graduated non-convexity, and dropping the worst loop and
+// solving again. Counts the wrong loops that are kept and the right ones that are lost.
 #include <algorithm>
 #include <cstdio>
 #include <string>
@@ -33,7 +33,8 @@ struct Score {
   }
 };
 
-// The worst goes, and all is solved again.
+// Drops the group of edges with the largest median chi2 and solves again, until no median exceeds 100. Returns which
+// groups were dropped.
 std::vector<bool> drop_one_by_one(const WalkWithLoops& walk, Sim3Graph* graph) {
   std::vector<bool> is_wrong(walk.groups().size(), false);
   for (;;) {
@@ -71,7 +72,7 @@ std::vector<bool> drop_one_by_one(const WalkWithLoops& walk, Sim3Graph* graph) {
   }
 }
 
-// alike: all wrong ones say the same.
+// If `alike`, all wrong loops agree with each other; otherwise each has an error of its own.
 WalkWithLoops make_walk(unsigned seed, int wrong, bool alike) {
   WalkWithLoops walk(seed);
   for (int i = 0; i < kRight; ++i) walk.add_group(true, 2, Sim3());

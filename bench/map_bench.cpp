@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What map_server spends on one more submap, and on the map as a whole, against the size of the map. Two rounds of a
-// long corridor as front and back submaps in turns that overlap by ten keyframes: the second round sees again what the
-// first one saw. Submaps come one after another, and each is linked, welded and stored as map_server does it; told are
-// the figures of the last one. Each size is measured in a process of its own, one row each.
+// Measures the CPU time that map_server spends on one more submap, and on adjusting the whole map, for maps of
+// different sizes. The submaps come from two rounds of a long ring corridor: front and back submaps in turns, each of
+// which overlaps the next by ten keyframes; the second round sees again what the first one saw. Each submap is linked,
+// welded and stored as map_server does it; the figures of the last one are printed. Each size is measured in a process
+// of its own and makes one row.
 #include <fmt/core.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,6 +15,7 @@
 #include <limits>
 #include <numbers>
 
+#include "base/or_throw.h"
 #include "base/this_process/cpu_clock.h"
 #include "bus/transport/bus.h"
 #include "bus/wire/submap_update.h"
@@ -34,7 +36,7 @@ using testing::World;
 constexpr int kImagesPerKeyframe = 3, kOverlap = 10 * kImagesPerKeyframe;
 constexpr double kStepM = 0.4 / kImagesPerKeyframe, kPointsPerM = 55, kReachM = 6;
 
-// Bent to a ring; its points are in order along it.
+// A corridor that is bent to a ring. Its points are sorted by their position along it.
 struct Corridor {
   double length_m = 0;
   World world;
@@ -60,7 +62,7 @@ Corridor make_corridor(double length_m) {
   return corridor;
 }
 
-// The points near a stretch of it, and which they are.
+// Returns the points of the corridor between from_m and to_m, and their indices in corridor.world.
 std::pair<World, std::vector<int>> stretch(const Corridor& corridor, double from_m, double to_m) {
   const int all = static_cast<int>(corridor.world.points.size());
   std::pair<World, std::vector<int>> part;
@@ -134,14 +136,15 @@ void forget_peak_memory() { std::ofstream("/proc/self/clear_refs") << 5; }
 
 class Server {
  public:
-  explicit Server(const std::string& file) : store_(file), finder_({}), builder_({}) {}
+  explicit Server(const std::string& file)
+      : store_(map_server::MapStore::open(file).value()), finder_({}), builder_({}) {}
 
   void arrive(const Submap& made) {
     times_.clear();
     time("update", [&] {
       submap_update_t update;
       Bus::decode(encode_message(make_submap_update(made, 0)), &update);
-      atlas_.change_submap(made.key, [&](Submap* submap) { return apply_submap_update(update, submap); });
+      or_throw(atlas_.change_submap(made.key, [&](Submap* submap) { return apply_submap_update(update, submap); }));
     });
     time("store it", [&] { save(); });
     time("copy", [&] { copy(); });
@@ -183,26 +186,25 @@ class Server {
     times_.emplace_back(what, thread_cpu_s() - start_s);
   }
 
-  // As MapServerNode does, tick by tick. Returns the longest that it took in one of them.
+  // Saves in slices, as MapServerNode does tick by tick. Returns the CPU seconds of the longest slice.
   double save() {
     double longest_s = 0;
     do {
       const double start_s = thread_cpu_s();
-      if (const std::string error = store_.save(atlas_, {}, map_server::kSaveBudget); !error.empty())
-        throw std::runtime_error(error);
+      or_throw(store_.save(atlas_, {}, map_server::kSaveBudget));
       longest_s = std::max(longest_s, thread_cpu_s() - start_s);
     } while (store_.is_behind());
     return longest_s;
   }
 
-  // As MapMerger does. It keeps the graph of before until a build is taken over.
+  // As in MapMerger, graph_ stays as it is until a build is taken over.
   void search(const map_server::LinkGraph& before) { next_graph_ = finder_.find(before, input_); }
   void build() {
     built_ = builder_.build(std::move(next_graph_), input_);
     graph_ = std::move(built_.graph);
   }
 
-  // As MapMerger does.
+  // Copies the submaps that have changed, as MapMerger does.
   void copy() {
     for (const auto& [key, owner] : atlas_.submaps()) {
       std::shared_ptr<const Submap>& copy = copies_[key];
@@ -211,7 +213,8 @@ class Server {
     }
   }
 
-  // What MapMerger does in its thread: which placements are as they were, and the copies for the next build.
+  // Returns the submaps whose placements did not change, and keeps all placements for the next build. MapMerger does
+  // this in its thread.
   std::set<SubmapKey> find_same() {
     std::set<SubmapKey> same;
     for (const auto& [key, placement] : built_.placements) {
@@ -222,18 +225,22 @@ class Server {
     return same;
   }
 
-  // As MapServerNode does.
+  // Takes over a build and saves, as MapServerNode does. `which` is appended to the names of the measured times.
   void absorb(const std::string& which) {
     const std::set<SubmapKey> same = find_same();
     std::vector<map_server::Placement> before;
-    for (const auto& [key, left] : built_.culled)  // in slices, as it saves
-      atlas_.change_submap(key, [&left = left](Submap* submap) {
+    for (const auto& [key, left] : built_.culled)  // map_server spreads this over several ticks
+      or_throw(atlas_.change_submap(key, [&left = left](Submap* submap) {
         *submap = *left;
-        return std::string();
-      });
+        return Result<>();
+      }));
+    map_server::PlacedMap map;
+    if (!built_.placements.empty())
+      map = map_server::PlacedMap::make(std::move(built_.placements), std::move(built_.unmoved)).value();
+    map.note_same(same);
     time("place" + which, [&] {
-      atlas_.set_links(graph_.links());
-      if (!built_.placements.empty()) before = atlas_.swap_map(std::move(built_.placements), built_.unmoved, same);
+      or_throw(atlas_.set_links(graph_.links()));
+      if (!built_.placements.empty()) before = atlas_.place_map(std::move(map)).value();
     });
     for (auto& [key, placement] : input_.placed) placement.revision = atlas_.find(key)->placement.revision;
     time("tell", [&] { status_pages_.next(atlas_, 0); });
@@ -262,7 +269,7 @@ int measure(int keyframes, bool adjust, bool header) {
   forget_peak_memory();
   for (Submap& submap : submaps) {
     server.arrive(submap);
-    submap = {};  // what made it is another process
+    submap = {};  // frees the memory: in a live system, another process holds it
   }
   if (adjust) server.adjust();
   if (header) server.print_header();

@@ -16,7 +16,7 @@ struct RenderedImages {
   std::vector<TimedPose> truth;
 };
 
-// A few seconds of the default walk, 640x480 at 30 Hz, rendered once.
+// Returns 3 seconds of the default walk at 640x480 and 30 Hz. They are rendered at the first call.
 inline const RenderedImages& rendered_images() {
   static const RenderedImages images = [] {
     synth::SynthOptions options;

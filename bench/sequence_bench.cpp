@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The front's part of the work on a recording, with nothing else running: what a frame costs beside cv::ORB on the same
-// frames, how long it takes to begin at many places of the recording, how true what it begins is, and whether it finds
-// the camera again where it is carried off to.
+// Measures front_tracker alone on a recording: the CPU time of a frame beside that of cv::ORB on the same frames, how
+// soon a submap begins at many places of the recording, how accurate such submaps are, and whether front_tracker finds
+// the camera again after it was carried off.
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
@@ -44,12 +44,10 @@ struct Recording {
 Recording read_recording(const std::string& folder, const camera_driver::CameraOptions& options, bool needs_truth) {
   Recording r;
   camera_driver::OpenedSource opened = camera_driver::open_image_source(folder, options);
-  if (!opened.ok()) throw std::runtime_error(opened.error);
-  r.camera = opened.source->camera();
-  while (const auto image = opened.source->next()) {
-    std::string error;
-    r.grey.push_back(decode_grey(*image, &error));
-    if (r.grey.back().empty()) throw std::runtime_error(error);
+  if (!opened) throw std::runtime_error(opened.error_text());
+  r.camera = (*opened)->camera();
+  while (const auto image = (*opened)->next()) {
+    r.grey.push_back(decode_grey(*image).value());
     r.utime_us.push_back(image->utime);
   }
   if (!needs_truth) return r;
@@ -69,7 +67,7 @@ struct SubmapResult {
   double ate_m = NAN;
   double path_m = 0;
   double spread_m = 0;     // RMS distance of the true camera centres from their mean
-  double scale_drift = 1;  // of the halves' scales to the truth, the larger over the smaller
+  double scale_drift = 1;  // ratio between the scales of the submap's two halves, 1 or more
 };
 
 std::vector<TimedPose> poses_of(const Submap& map) {
@@ -97,13 +95,13 @@ SubmapResult evaluate(const Submap& map, const std::vector<TimedPose>& truth) {
   return result;
 }
 
-// One run of the tracker over frames [first, last).
+// One run of the tracker over a range of frames.
 struct Run {
   int frames = 0;
-  int begun_after = -1;          // frames until the first pose; -1: never
-  std::vector<double> ms;        // thread of process(), per frame
-  std::vector<double> start_ms;  // the same of the frames without a submap to track
-  double cpu_ms = 0;             // all threads
+  int begun_after = -1;          // number of frames before the first pose; -1: there is no pose
+  std::vector<double> ms;        // CPU time of process() in its own thread, per frame
+  std::vector<double> start_ms;  // as `ms`, but only for frames whose predecessor has no pose
+  double cpu_ms = 0;             // CPU time of all threads
   std::vector<SubmapResult> submaps;
 };
 
@@ -204,7 +202,7 @@ void bench_starts(const Recording& r, const front_tracker::FrontTrackerOptions& 
              quantile(ms, 0.95), quantile(ms, 1));
 }
 
-// Maps the whole recording, then carries the camera off to random places of it, one after the other, for a second each.
+// Maps the whole recording, then carries the camera off to random places of it: plays one second from each.
 void bench_kidnaps(const Recording& r, const front_tracker::FrontTrackerOptions& options, int jumps) {
   constexpr double kWrong_m = 0.3;
   front_tracker::Tracker tracker(r.camera, options, 1);
@@ -215,7 +213,7 @@ void bench_kidnaps(const Recording& r, const front_tracker::FrontTrackerOptions&
     tracker.wait_for_mapping();
     return result;
   };
-  std::vector<TimedPose> truth;  // at the times given
+  std::vector<TimedPose> truth;  // true pose of each frame, at the time with which the tracker gets it
   for (size_t i = 0; i < r.grey.size(); ++i) {
     give(i);
     const auto at = std::lower_bound(r.truth.begin(), r.truth.end(), r.utime_us[i] - period_us / 2,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pieces that cost: keypoints (beside OpenCV's own ORB on the same image), matching, pose, bundle
-// adjustment, joining submaps.
+// Measures the expensive parts one by one: keypoints (and OpenCV's ORB on the same image), matching, pose optimization,
+// bundle adjustment, Sim(3) refinement, and the Sim(3) graph that joins submaps.
 #include <benchmark/benchmark.h>
 
 #include <opencv2/core/utility.hpp>
@@ -79,7 +79,7 @@ void BM_LocalBundle(benchmark::State& state) {
 }
 BENCHMARK(BM_LocalBundle)->Arg(10)->Arg(20)->Unit(benchmark::kMillisecond);
 
-// Observations of either direction, 30 % of them false.
+// Points of each of two submaps are observed from the other one; 30 % of the observations are false.
 void BM_RefineSim3(benchmark::State& state) {
   SyntheticScene scene(3);
   const Sim3 truth(2.5, so3_exp({0.4, -1.0, 0.3}), Eigen::Vector3d(2, -1, 3));
@@ -114,7 +114,8 @@ Sim3Graph::Edge measured_edge(SyntheticScene& scene, const std::vector<Sim3>& tr
 }
 
 // Ten laps of a round course. Each node is measured against its three predecessors and the node beside it in the lap
-// before; the start is a lap that drifts and others beside it.
+// before. Before optimization, the nodes of the first lap are chained by their measurements and drift; each later node
+// is placed by its measurement against the node beside it.
 void BM_Sim3Graph(benchmark::State& state) {
   SyntheticScene scene(4);
   const int count = static_cast<int>(state.range(0)), lap = count / 10;

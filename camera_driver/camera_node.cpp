@@ -7,6 +7,7 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "base/or_throw.h"
 #include "base/running/log.h"
 #include "base/running/stage_clock.h"
 #include "bus/wire/image_codec.h"
@@ -16,15 +17,9 @@
 namespace rumi::camera_driver {
 namespace {
 
-constexpr int kMaxPerTick = 8;                // so that a request to stop is heard while catching up
-constexpr int64_t kProgressUs = 10'000'000;   // clock
-constexpr int64_t kDegradedLateUs = 500'000;  // behind the pace
-
-std::unique_ptr<ImageSource> open_or_throw(const std::string& input, const CameraOptions& options) {
-  OpenedSource opened = open_image_source(input, options);
-  if (!opened.ok()) throw std::runtime_error(opened.error);
-  return std::move(opened.source);
-}
+constexpr int kMaxPerTick = 8;                // images; few, so that a request to stop is heard while catching up
+constexpr int64_t kProgressUs = 10'000'000;   // from one progress line to the next
+constexpr int64_t kDegradedLateUs = 500'000;  // images later than this make the process DEGRADED
 
 }  // namespace
 
@@ -36,9 +31,9 @@ CameraNode::CameraNode(Bus& bus, std::unique_ptr<ImageSource> source, const Came
 }
 
 CameraNode::CameraNode(Bus& bus, const std::string& input, const CameraOptions& options)
-    : CameraNode(bus, open_or_throw(input, options), options) {}
+    : CameraNode(bus, or_throw(open_image_source(input, options)), options) {}
 
-// When the image ahead is to be published. Precondition: there is one, and the first was published.
+// Returns when the image ahead is to be published. Precondition: ahead_ and started_us_ are set.
 int64_t CameraNode::due_us() const {
   const auto since_first_us = static_cast<double>(ahead_->utime - first_utime_us_);
   return *started_us_ + static_cast<int64_t>(since_first_us / options_.speed);
@@ -90,7 +85,7 @@ void CameraNode::tick(int64_t now_us) {
 
 void CameraNode::publish(int64_t now_us) {
   recorded_us_ = ahead_->utime;
-  // Strictly rising even if the clock is set back.
+  // The times rise strictly even if the clock is set back.
   if (options_.live_stamps) ahead_->utime = published_ == 0 ? now_us : std::max(now_us, last_utime_us_ + 1);
   set_metadata(&*ahead_, kPublishedKey, std::to_string(now_us));
   put_on_bus();
@@ -105,7 +100,7 @@ void CameraNode::put_on_bus() {
   }
 }
 
-// Where the times of a recording go back, its images follow those before at the usual step.
+// Called when the times of a recording go back: its images then follow the earlier ones at the usual step.
 void CameraNode::pace_anew() {
   const auto since_first_us = static_cast<double>(recorded_us_ - first_utime_us_);
   *started_us_ += static_cast<int64_t>((since_first_us + kUsualPeriodUs) / options_.speed);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Publishes the images of a source on CAMERA: a recording's paced by the clock when live and one by one when a replay
-// asks for them, a camera's as they come.
+// Publishes the images of a source on CAMERA. Images of a camera are published as they come; those of a recording at
+// the pace of the clock (live), or one by one when a replay asks for them.
 #pragma once
 
 #include <memory>
@@ -16,22 +16,23 @@ class CameraNode : public Node {
   // Opens the input; throws std::runtime_error with a message for the user if it cannot be used.
   CameraNode(Bus& bus, const std::string& input, const CameraOptions& options);
 
-  // Live: publishes what is due. Nothing is left out if reading cannot keep up. Waits for a camera's image.
+  // Live: publishes the images that are due; for a camera, waits for the next image. If reading cannot keep up, images
+  // are late, but none is left out.
   void tick(int64_t now_us) override;
   int64_t next_tick_us(int64_t now_us) const override;
   NodeStatus status() override;
   bool done() const override;
-  // Of a recording: what was left out, and that it was not played to its end because somebody ended the process.
+  // Says, for a recording, which images were left out, and whether somebody ended the process before the end.
   std::vector<std::string> complaints() const override;
   void finish() override { is_finished_ = true; }
 
-  // Replay: the time of the image that publish_next() would publish; nothing at the end. After the first call the node
-  // is not live any more: tick() does nothing.
+  // Replay: returns the time of the image that publish_next() would publish; nullopt at the end. After the first call
+  // the node is no longer live: tick() does nothing.
   std::optional<int64_t> next_utime_us();
   void publish_next();
 
   const ImageSource& source() const { return *source_; }
-  // After the replay: to look at its images again.
+  // For looking at the images again after a replay.
   ImageSource& source() { return *source_; }
   void set_controls(const CameraControls& controls) { source_->set_controls(controls); }
 
@@ -48,16 +49,16 @@ class CameraNode : public Node {
   Bus& bus_;
   std::unique_ptr<ImageSource> source_;
   CameraOptions options_;
-  std::optional<image_t> ahead_;  // of a recording; of a camera only inside tick()
+  std::optional<image_t> ahead_;  // the next image; with a camera it is set only inside tick()
   bool live_ = true, is_finished_ = false;
   bool publish_failed_ = false;
-  int64_t first_utime_us_ = 0;         // of the recording, or of its part where times go back
-  std::optional<int64_t> started_us_;  // clock at that image
-  int64_t last_utime_us_ = 0;          // as published
-  int64_t recorded_us_ = 0;            // recorded time of the last one
+  int64_t first_utime_us_ = 0;         // recorded time of the first image, or of the first one since times went back
+  std::optional<int64_t> started_us_;  // the bus's time at which that image was due
+  int64_t last_utime_us_ = 0;          // utime of the last published image
+  int64_t recorded_us_ = 0;            // recorded time of the last published image
   int64_t published_ = 0, late_us_ = 0;
-  int64_t progress_us_ = 0, progress_count_ = 0;  // at the last progress line
-  double load_ms_ = 0;                            // since the last status
+  int64_t progress_us_ = 0, progress_count_ = 0;  // time and published images at the last progress line
+  double load_ms_ = 0;                            // total time spent loading images since the last status
   int64_t loads_ = 0;
 };
 

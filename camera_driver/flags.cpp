@@ -11,7 +11,8 @@ namespace rumi::camera_driver {
 namespace {
 
 struct ShortFlag {
-  const char *flag, *key, *type, *value, *help;  // without a type: true if it is given; value: the default
+  // Without a type, the flag has no value and sets the option to true. `value`: the default that the help shows.
+  const char *flag, *key, *type, *value, *help;
 };
 
 constexpr std::array kFlags = {

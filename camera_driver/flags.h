@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The flags that programs and commands which take a recording have in common: each is short for an option of the
-// section camera_driver.
+// The flags that all programs and commands that take a recording have in common. Each sets an option of the section
+// camera_driver.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace rumi::camera_driver {
 
-// Adds those of the `flags` ("--every"); of all with an empty list. What is given of them is put among the settings for
-// load_options(), which outlive parse().
+// Adds the flags that `flags` names ("--every"), or all flags if it is empty. Flags that a user gives are appended to
+// `settings` for load_options(); `settings` must outlive parse().
 void add_flags(CommandLine& command, const std::vector<std::string>& flags, std::vector<std::string>* settings);
 
 }  // namespace rumi::camera_driver

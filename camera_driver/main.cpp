@@ -41,7 +41,7 @@ int main(int argc, char** argv) {
     add_own_flags(app, &input, settings);
   };
   process.add_options = [&options](rumi::OptionTable& table) { describe(table, options); };
-  process.check_options = [&options] { return check(options); };
+  process.check_options = [&options] { return check(options).error_text(); };
   process.make_node = [&](rumi::Bus& bus) {
     return std::make_unique<rumi::camera_driver::CameraNode>(bus, input, options);
   };

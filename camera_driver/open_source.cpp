@@ -34,94 +34,92 @@ constexpr const char* kWhatToGive =
     "give a dataset folder (TUM, EuRoC), an image folder, a video, an lcm log or a ROS bag";
 constexpr const char* kHowToRecord = "make one with `rumi camera_driver` and lcm-logger";
 
-// A trailing slash would make parent_path() the folder itself.
+// Removes a trailing slash, with which parent_path() would return the folder itself.
 fs::path without_slash(const std::string& input) {
   const fs::path path = fs::path(input).lexically_normal();
   return path.has_filename() ? path : path.parent_path();
 }
 
-// *problem is then what is wrong with the first one, if there are any.
-std::optional<image_t> first_readable_image(FrameReader& reader, std::string* problem) {
-  std::optional<image_t> image;
-  for (size_t i = 0; i < reader.utimes().size() && !image; ++i) {
-    std::string error;
-    image = reader.load(i, false, &error);
-    if (problem->empty()) *problem = error;
+// Returns the first image that can be read. If none can be read, the Error is that of the first image.
+Result<image_t> first_readable_image(FrameReader& reader) {
+  Result<image_t> first = Error{"has no images"};
+  for (size_t i = 0; i < reader.utimes().size(); ++i) {
+    Result<image_t> image = reader.load(i, /*colour=*/false);
+    if (image) return image;
+    if (i == 0) first = std::move(image);
   }
-  return image;
+  return first;
 }
 
-// The calibration in the metadata of the first readable image of a log or bag, or an empty string.
+// Returns the calibration in the metadata of the first readable image of a log or bag, or an empty string.
 std::string calibration_in_images(FrameReader& reader) {
-  std::string ignored;
-  const std::optional<image_t> image = first_readable_image(reader, &ignored);
-  return image ? metadata(*image, kCalibrationKey) : "";
+  const Result<image_t> image = first_readable_image(reader);
+  return image ? std::string(metadata(*image, kCalibrationKey)) : "";
 }
 
-// In a file that has the camera in several sizes the one of the first image that can be read.
-void choose_size_of_images(FrameReader& reader, CameraFileResult* calibration) {
+// If the file has calibrations for several image sizes, chooses the one for the first readable image.
+void choose_size_of_images(FrameReader& reader, CameraFile* calibration) {
   if (calibration->others.empty()) return;
-  std::string ignored;
-  if (const std::optional<image_t> image = first_readable_image(reader, &ignored))
-    choose_size(image->width, image->height, calibration);
+  if (const Result<image_t> image = first_readable_image(reader)) choose_size(image->width, image->height, calibration);
 }
 
-CameraFileResult find_camera(const CameraOptions& options, const std::vector<fs::path>& candidates,
-                             const std::string& input) {
+Result<CameraFile> find_camera(const CameraOptions& options, const std::vector<fs::path>& candidates,
+                               const std::string& input) {
   if (!options.camera_file.empty()) return read_camera_file(options.camera_file);
   for (const fs::path& file : candidates)
     if (may_be_there(file)) return read_camera_file(file.string());
-  CameraFileResult missing;
-  missing.error = fmt::format("{}: no calibration of the camera; give --camera FILE or put {} there{}", input,
-                              candidates.front().string(), advice_on_known_camera(input, options.log_channel));
-  return missing;
+  return Error{"no calibration of the camera", input,
+               fmt::format("give --camera FILE or put {} there{}", candidates.front().string(),
+                           advice_on_known_camera(input, options.log_channel))};
 }
 
-// Of the images that the calibration may be of.
-std::vector<cv::Size> sizes_of(const CameraFileResult& calibration) {
-  if (!calibration.ok()) return {};
-  std::vector<cv::Size> sizes = {{calibration.camera.width, calibration.camera.height}};
-  for (const CameraFileResult::Other& other : calibration.others)
+// Returns the image sizes for which the file has a calibration.
+std::vector<cv::Size> sizes_of(const Result<CameraFile>& calibration) {
+  if (!calibration) return {};
+  std::vector<cv::Size> sizes = {{calibration->camera.width, calibration->camera.height}};
+  for (const CameraFile::Other& other : calibration->others)
     sizes.emplace_back(other.camera.width, other.camera.height);
   return sizes;
 }
 
-struct Opened {
-  OpenedReader reader;
-  CameraFileResult camera;
-  std::vector<fs::path> folders = {};  // of the recording, which may have masks
-  std::string note = {};               // of what lies beside it, to be logged
+// A recording that can be read. Its images can be looked at without a calibration.
+struct Recording {
+  std::unique_ptr<FrameReader> reader;
+  Result<CameraFile> camera;
+  std::vector<fs::path> folders = {};  // folders of the recording, in which masks may lie
+  std::string note = {};               // warning about files beside the recording, to be logged
 };
+using Opened = Result<Recording>;
 
-// Where masks are looked for: in the recording's folders, and beside a calibration that was found.
-MaskPlaces places_of_masks(const Opened& opened, const CameraOptions& options) {
-  MaskPlaces places{options.mask, opened.camera.mask, opened.folders};
+// Returns where masks are looked for: in the recording's folders, and beside a calibration that the user did not give.
+MaskPlaces places_of_masks(const CameraFile& camera, const std::vector<fs::path>& folders,
+                           const CameraOptions& options) {
+  MaskPlaces places{options.mask, camera.mask, folders};
   std::error_code code;
-  if (options.camera_file.empty() && fs::is_regular_file(opened.camera.file, code))
-    places.folders.push_back(fs::path(opened.camera.file).parent_path());
+  if (options.camera_file.empty() && fs::is_regular_file(camera.file, code))
+    places.folders.push_back(fs::path(camera.file).parent_path());
   return places;
 }
 
-Opened from_list(FileList list, CameraFileResult camera, const CameraOptions& options, const std::string& note) {
-  if (!list.error.empty()) return {{nullptr, list.error}, std::move(camera)};
-  if (!note.empty()) list.notes.push_back(note);
-  auto reader = make_file_list_reader(std::move(list), parse_grey_range(options.grey_range));
+Opened from_list(Result<FileList> list, Result<CameraFile> camera, const CameraOptions& options,
+                 const std::string& note) {
+  if (!list) return list.error();
+  if (!note.empty()) list->notes.push_back(note);
+  auto reader = make_file_list_reader(std::move(*list), parse_grey_range(options.grey_range));
   const fs::path folder = reader->folder();
-  return {{std::move(reader), ""}, std::move(camera), {folder}};
+  return Recording{std::move(reader), std::move(camera), {folder}};
 }
 
 ListOptions list_options(const CameraOptions& options) {
   return {.files = options.files, .needs_times = options.rate_hz <= 0};
 }
 
-bool has_images(const fs::path& folder) { return !list_image_folder(folder, {}).entries.empty(); }
-
-// " (its folders left, right hold images: give one of them)", or nothing.
+// Returns " (images are in its folders left, right: give one of them)", or an empty string.
 std::string folders_with_images(const fs::path& folder) {
   constexpr size_t kMostNamed = 4;
   std::vector<std::string> names;
   std::error_code code;
-  constexpr int kDeepest = 2;  // "images/front/camera"
+  constexpr int kDeepest = 2;  // as deep as "images/front/camera"
   constexpr int kMostLookedAt = 1000;
   int looked_at = 0;
   fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, code);
@@ -138,23 +136,22 @@ std::string folders_with_images(const fs::path& folder) {
   return fmt::format(" (images are in its folders {}: give one of them)", fmt::join(names, ", "));
 }
 
-// Their names are their times, so they can do without a list; empty if there are none.
+// Returns the folder of EuRoC's images when their list is missing: their names are their times. Empty if there is no
+// such folder.
 fs::path find_euroc_images(const fs::path& folder) {
   for (const char* inner : {"mav0/cam0/data", "cam0/data", "data"}) {
-    std::error_code code;
-    if (fs::is_directory(folder / inner, code) && !list_image_folder(folder / inner, {}).entries.empty())
-      return folder / inner;
+    if (has_images(folder / inner)) return folder / inner;
   }
   return {};
 }
 
-// " (in it are a.mp4, b.lcm: give the file itself)", or nothing.
+// Returns " (in it are a.mp4, b.lcm: give the file itself)", or an empty string.
 std::string recordings_beside(const fs::path& folder) {
   const std::string recordings = recordings_in(folder);
   return recordings.empty() ? "" : fmt::format(" (in it are {}: give the file itself)", recordings);
 }
 
-// " (its files are 12 .gif, which are not read: ...)", or nothing.
+// Returns " (its files are 12 .gif, which are not read: ...)", or an empty string.
 std::string files_not_read(const fs::path& folder) {
   const std::string files = other_files(folder);
   if (files.empty()) return {};
@@ -177,18 +174,21 @@ Opened open_folder(const fs::path& given, const CameraOptions& options) {
                      find_camera(options, {calibration, cam0 / "calibration.yaml", cam0 / "sensor.yaml"}, name),
                      options, note);
   }
-  FileList list = list_image_folder(folder, list_options(options));
-  if (list.error.empty() && list.entries.empty())
+  Result<FileList> list = list_image_folder(folder, list_options(options));
+  if (list && list->entries.empty())
     if (const fs::path images = find_euroc_images(folder); !images.empty()) {
       list = list_image_folder(images, list_options(options));
-      list.notes.push_back("there is no data.csv: its images are played with the times that their names give");
+      if (list)
+        list->notes.push_back("there is no data.csv: its images are played with the times that their names give");
     }
-  if (list.error.empty() && list.entries.empty()) {
+  if (!list) return list.error();
+  if (list->entries.empty()) {
     const std::string others = fmt::format("{}{}", folders_with_images(folder), recordings_beside(folder));
-    list.error = fmt::format("{}: has no rgb.txt, no mav0/cam0/data.csv and no images{}; {}", name,
-                             others.empty() ? files_not_read(folder) : others, kWhatToGive);
+    return Error{fmt::format("has no rgb.txt, no mav0/cam0/data.csv and no images{}",
+                             others.empty() ? files_not_read(folder) : others),
+                 name, kWhatToGive};
   }
-  const fs::path images = list.source, above = images.parent_path();
+  const fs::path images = list->source, above = images.parent_path();
   const fs::path sensor = may_be_there(images / "sensor.yaml") ? images / "sensor.yaml" : above / "sensor.yaml";
   return from_list(
       std::move(list),
@@ -196,7 +196,8 @@ Opened open_folder(const fs::path& given, const CameraOptions& options) {
       options, note);
 }
 
-// By its name only: a video would have to be searched to its end.
+// True if the file has a log's name and an event behind the damage. Files with other names are not searched: in a video
+// the search would go on to its end.
 bool is_log_damaged_at_its_beginning(const fs::path& file) {
   const std::string extension = file.extension().string();
   return (extension == ".lcm" || extension == ".lcmlog" || extension == ".log") && LogReader(file.string()).go_on();
@@ -209,28 +210,30 @@ bool is_empty_file(const fs::path& path) {
 
 Opened with_camera(const fs::path& file, OpenedReader opened, bool may_bring_calibration,
                    const CameraOptions& options) {
-  if (!opened.error.empty()) return {std::move(opened), {}};
-  // A calibration's fps is that of the camera, and need not be that of a video.
-  if (const std::string no_times = opened.reader->why_no_times(); !no_times.empty() && options.rate_hz <= 0)
-    return {{nullptr, fmt::format("{}: {}; give --rate HZ", file.string(), no_times)}, {}};
+  if (!opened) return opened.error();
+  std::unique_ptr<FrameReader> reader = std::move(*opened);
+  // The calibration's fps is that of the camera. A video may have another one.
+  if (const std::string no_times = reader->why_no_times(); !no_times.empty() && options.rate_hz <= 0)
+    return Error{no_times, file.string(), "give --rate HZ"};
   const bool asks_images = may_bring_calibration && options.camera_file.empty();
-  const std::string in_images = asks_images ? calibration_in_images(*opened.reader) : "";
-  CameraFileResult camera = in_images.empty()
-                                ? find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string())
-                                : parse_camera(in_images, file.string() + " (calibration in its images)");
-  const std::string why = opened.reader->why_no_calibration();
-  if (!why.empty() && camera.ok()) camera.notes.push_back(fmt::format("{}; {} is used", why, camera.file));
-  if (!why.empty() && !camera.ok()) camera.error += "; " + why;
-  return {std::move(opened), std::move(camera)};
+  const std::string in_images = asks_images ? calibration_in_images(*reader) : "";
+  Result<CameraFile> camera = in_images.empty()
+                                  ? find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string())
+                                  : parse_camera(in_images, file.string() + " (calibration in its images)");
+  const std::string why = reader->why_no_calibration();
+  if (!why.empty() && camera) camera->notes.push_back(fmt::format("{}; {} is used", why, camera->file));
+  if (!why.empty() && !camera) camera = Error{camera.error_text() + "; " + why};
+  return Recording{std::move(reader), std::move(camera)};
 }
 
-// Of a file that is a part of a recording it is said that the next part is not played.
+// If the file is a part of a recording, adds a note that the next part is not played.
 Opened open_messages(const fs::path& path, OpenedReader opened, const FirstRecorded& first_recorded_us,
                      const CameraOptions& options) {
-  const std::optional<int64_t> last_us = opened.reader ? opened.reader->last_recorded_us() : std::nullopt;
+  const std::optional<int64_t> last_us = opened ? (*opened)->last_recorded_us() : std::nullopt;
   Opened messages = with_camera(path, std::move(opened), /*may_bring_calibration=*/true, options);
   std::error_code code;
-  if (last_us && fs::is_regular_file(path, code)) messages.note = note_on_next_part(path, *last_us, first_recorded_us);
+  if (messages && last_us && fs::is_regular_file(path, code))
+    messages->note = note_on_next_part(path, *last_us, first_recorded_us);
   return messages;
 }
 
@@ -241,20 +244,20 @@ Opened open_ros_bag(const fs::path& path, const CameraOptions& options) {
 
 Opened open_file(const fs::path& file, const CameraOptions& options) {
   if (file.extension() == ".txt" || file.extension() == ".csv")
-    return {{nullptr, fmt::format("{}: is a text file; give the folder that it is the list of", file.string())}, {}};
+    return Error{"is a text file", file.string(), "give the folder that it is the list of"};
   if (is_lcm_log(file.string()) || is_log_damaged_at_its_beginning(file))
     return open_messages(file, open_log(file, options.log_channel), first_recorded_in_log, options);
-  const CameraFileResult camera = find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string());
+  const Result<CameraFile> camera = find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string());
   // FFmpeg would take it for a video of one image.
   if (pages_of_tiff(file).size() > 1) return from_list(list_pages(file), camera, options, "");
   Opened video = with_camera(file, open_video(file, parse_grey_range(options.grey_range), sizes_of(camera)),
                              /*may_bring_calibration=*/false, options);
-  video.note = note_on_next_video(file);
+  if (video) video->note = note_on_next_video(file);
   return video;
 }
 
 Opened open_any(const std::string& input, const CameraOptions& options) {
-  const auto refuse = [&input](const std::string& why) { return Opened{{nullptr, input + ": " + why}, {}}; };
+  const auto refuse = [&input](const std::string& why) { return Error{why, input}; };
   if (is_camera(input)) return refuse(std::string("is a camera, and this needs a recording: ") + kHowToRecord);
   const fs::path path = without_slash(input);
   std::error_code code;
@@ -273,18 +276,19 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
   return refuse(std::string("is not a camera, a file or a folder; ") + kWhatToGive);
 }
 
-// Images that cannot be read go before a missing calibration, which they may bring themselves.
-std::string why_not_playable(const std::string& input, const CameraOptions& options, const Opened& opened) {
-  std::string problem;
-  const bool is_missing = options.camera_file.empty() && !first_readable_image(*opened.reader.reader, &problem);
-  if (!is_missing || problem.empty()) return opened.camera.error;
-  return fmt::format("{}: none of its images can be used: {}", input, problem);
+// Returns the Error for a recording without a usable calibration. If none of its images can be read, the Error says
+// that instead: they might have brought a calibration.
+Error why_not_playable(const std::string& input, const CameraOptions& options, const Recording& recording) {
+  if (!options.camera_file.empty() || recording.reader->utimes().empty()) return recording.camera.error();
+  const Result<image_t> image = first_readable_image(*recording.reader);
+  if (image) return recording.camera.error();
+  return {fmt::format("none of its images can be used: {}", image.error_text()), input};
 }
 
 }  // namespace
 
 bool is_camera(const std::string& input) {
-  constexpr unsigned kMajorOfVideo = 81;  // of Linux, for all V4L2 devices, whatever their names
+  constexpr unsigned kMajorOfVideo = 81;  // Linux's major number of all V4L2 devices, whatever their names
   struct stat info {};
   const bool is_video =
       stat(input.c_str(), &info) == 0 && S_ISCHR(info.st_mode) && major(info.st_rdev) == kMajorOfVideo;
@@ -292,28 +296,31 @@ bool is_camera(const std::string& input) {
 }
 
 OpenedReader open_frames(const std::string& input, const CameraOptions& options) {
-  return open_any(input, options).reader;
+  Opened opened = open_any(input, options);
+  if (!opened) return opened.error();
+  return std::move(opened->reader);
 }
 
 OpenedSource open_image_source(const std::string& input, const CameraOptions& options) {
   if (!is_camera(input)) return open_recording(input, options);
-  if (const std::string problem = check(options); !problem.empty()) return {nullptr, problem};
+  if (const Result<> checked = check(options); !checked) return checked.error();
   return open_camera(kernel_video_system(), input, options);
 }
 
 OpenedSource open_recording(const std::string& input, const CameraOptions& options) {
-  if (const std::string problem = check(options); !problem.empty()) return {nullptr, problem};
+  if (const Result<> checked = check(options); !checked) return checked.error();
   Opened opened = open_any(input, options);
-  if (!opened.reader.error.empty()) return {nullptr, opened.reader.error};
-  if (!opened.camera.ok()) return {nullptr, why_not_playable(input, options, opened)};
-  choose_size_of_images(*opened.reader.reader, &opened.camera);
-  log_notes(opened.camera);
-  if (!opened.note.empty()) log_warning("{}: {}", input, opened.note);
-  const MaskPlaces places = places_of_masks(opened, options);
-  auto source = std::make_unique<RecordedSource>(input, std::move(opened.reader.reader), opened.camera, options);
-  if (const std::string problem = source->start(); !problem.empty()) return {nullptr, problem};
-  if (const std::string problem = source->use_masks(places); !problem.empty()) return {nullptr, problem};
-  return {std::move(source), ""};
+  if (!opened) return opened.error();
+  if (!opened->camera) return why_not_playable(input, options, *opened);
+  CameraFile& camera = *opened->camera;
+  choose_size_of_images(*opened->reader, &camera);
+  log_notes(camera);
+  if (!opened->note.empty()) log_warning("{}: {}", input, opened->note);
+  const MaskPlaces places = places_of_masks(camera, opened->folders, options);
+  auto source = std::make_unique<RecordedSource>(input, std::move(opened->reader), camera, options);
+  if (const Result<> started = source->start(); !started) return started.error();
+  if (const Result<> masks = source->use_masks(places); !masks) return masks.error();
+  return OpenedSource(std::move(source));
 }
 
 }  // namespace rumi::camera_driver

@@ -11,7 +11,7 @@
 #include "camera_driver/v4l2/pixel_format.h"
 #include "camera_driver/v4l2/video_controls.h"
 #include "formats/image/image_file.h"
-#include "formats/image/max_side.h"
+#include "slam/geometry/max_side.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -21,18 +21,19 @@ constexpr double kMaxSeconds = 1e9;
 constexpr double kMaxRateHz = 10'000;
 constexpr double kMinSpeed = 0.001, kMaxSpeed = 10'000;
 
-// Also false for NaN.
+// True if the value lies between the limits; false also for NaN.
 bool within(double value, double min, double max) { return value >= min && value <= max; }
 
 constexpr double kMaxLockS = 3600, kMinStallS = 0.1, kMaxStallS = 600;
 constexpr double kMaxControl = 1e6;
 
-// Empty, "auto", or a number.
-std::string check_control(const char* name, const std::string& value, double min) {
+// An Error unless the value is empty, "auto", or a number from `min` to kMaxControl.
+Result<> check_control(const char* name, const std::string& value, double min) {
   if (value.empty() || value == "auto") return {};
   const auto number = parse_number<double>(value);
   if (number && within(*number, min, kMaxControl)) return {};
-  return fmt::format("camera_driver.{} is '{}': must be auto or a number from {} to {}", name, value, min, kMaxControl);
+  return Error{
+      fmt::format("camera_driver.{} is '{}': must be auto or a number from {} to {}", name, value, min, kMaxControl)};
 }
 
 std::vector<std::string> format_choices() {
@@ -41,45 +42,44 @@ std::vector<std::string> format_choices() {
   return choices;
 }
 
-std::string check_camera_options(const CameraOptions& o) {
+Result<> check_camera_options(const CameraOptions& o) {
   constexpr double kMinExposureMs = 0.1;
-  if (!within(o.width, 0, kMaxSide)) return fmt::format("width is {}: must be 0 to {}", o.width, kMaxSide);
-  if (!within(o.height, 0, kMaxSide)) return fmt::format("height is {}: must be 0 to {}", o.height, kMaxSide);
+  if (!within(o.width, 0, kMaxSide)) return Error{fmt::format("width is {}: must be 0 to {}", o.width, kMaxSide)};
+  if (!within(o.height, 0, kMaxSide)) return Error{fmt::format("height is {}: must be 0 to {}", o.height, kMaxSide)};
   if ((o.width == 0) != (o.height == 0))
-    return fmt::format("camera_driver.width x height is {} x {}: give both or none", o.width, o.height);
+    return Error{fmt::format("camera_driver.width x height is {} x {}: give both or none", o.width, o.height)};
   const std::vector<std::string> formats = format_choices();
   if (std::find(formats.begin(), formats.end(), o.format) == formats.end())
-    return fmt::format("format is '{}': must be {}", o.format, fmt::join(formats, ", "));
-  std::string problem = check_control("exposure", o.exposure, kMinExposureMs);
-  if (problem.empty()) problem = check_control("gain", o.gain, -kMaxControl);
-  if (problem.empty()) problem = check_control("white_balance", o.white_balance, 0);
-  if (problem.empty()) problem = check_control("focus", o.focus, -kMaxControl);
-  if (!problem.empty()) return problem;
-  parse_control_list(o.controls, &problem);
-  if (!problem.empty()) return problem;
+    return Error{fmt::format("format is '{}': must be {}", o.format, fmt::join(formats, ", "))};
+  for (const Result<>& checked :
+       {check_control("exposure", o.exposure, kMinExposureMs), check_control("gain", o.gain, -kMaxControl),
+        check_control("white_balance", o.white_balance, 0), check_control("focus", o.focus, -kMaxControl)})
+    if (!checked) return checked;
+  if (const Result<ControlList> controls = parse_control_list(o.controls); !controls) return controls.error();
   if (!within(o.lock_auto_s, 0, kMaxLockS))
-    return fmt::format("lock_auto is {}: must be 0 (never) to {} s", o.lock_auto_s, kMaxLockS);
+    return Error{fmt::format("lock_auto is {}: must be 0 (never) to {} s", o.lock_auto_s, kMaxLockS)};
   if (!within(o.stall_s, kMinStallS, kMaxStallS))
-    return fmt::format("stall is {}: must be {} to {} s", o.stall_s, kMinStallS, kMaxStallS);
+    return Error{fmt::format("stall is {}: must be {} to {} s", o.stall_s, kMinStallS, kMaxStallS)};
   return {};
 }
 
 }  // namespace
 
-std::string check(const CameraOptions& o) {
+Result<> check(const CameraOptions& o) {
   static constexpr std::array kEncodings = {"auto", "grey", "rgb", "jpeg"};
-  if (o.every < 1 || o.every > kMaxEvery) return fmt::format("every is {}: must be 1 to {}", o.every, kMaxEvery);
-  if (!within(o.start_s, 0, kMaxSeconds)) return fmt::format("start is {}: must be 0 or more seconds", o.start_s);
+  if (o.every < 1 || o.every > kMaxEvery) return Error{fmt::format("every is {}: must be 1 to {}", o.every, kMaxEvery)};
+  if (!within(o.start_s, 0, kMaxSeconds))
+    return Error{fmt::format("start is {}: must be 0 or more seconds", o.start_s)};
   if (!within(o.duration_s, 0, kMaxSeconds))
-    return fmt::format("duration is {}: must be 0 (all) or more seconds", o.duration_s);
+    return Error{fmt::format("duration is {}: must be 0 (all) or more seconds", o.duration_s)};
   if (!within(o.rate_hz, 0, kMaxRateHz))
-    return fmt::format("rate is {}: must be 0 (as recorded) to {} Hz", o.rate_hz, kMaxRateHz);
+    return Error{fmt::format("rate is {}: must be 0 (as recorded) to {} Hz", o.rate_hz, kMaxRateHz)};
   if (!within(o.speed, kMinSpeed, kMaxSpeed))
-    return fmt::format("speed is {}: must be {} to {}", o.speed, kMinSpeed, kMaxSpeed);
+    return Error{fmt::format("speed is {}: must be {} to {}", o.speed, kMinSpeed, kMaxSpeed)};
   if (std::find(kEncodings.begin(), kEncodings.end(), o.encoding) == kEncodings.end())
-    return fmt::format("encoding is '{}': must be {}", o.encoding, fmt::join(kEncodings, ", "));
+    return Error{fmt::format("encoding is '{}': must be {}", o.encoding, fmt::join(kEncodings, ", "))};
   if (o.grey_range != "auto" && !parse_grey_range(o.grey_range))
-    return fmt::format("camera_driver.grey_range is '{}': must be auto or LOW:HIGH, 0 to 65535", o.grey_range);
+    return Error{fmt::format("camera_driver.grey_range is '{}': must be auto or LOW:HIGH, 0 to 65535", o.grey_range)};
   return check_camera_options(o);
 }
 

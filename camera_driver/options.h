@@ -4,12 +4,13 @@
 #include <string>
 
 #include "base/command_line/options.h"
+#include "base/result.h"
 #include "camera_driver/source/camera_options.h"
 
 namespace rumi::camera_driver {
 
-// What is wrong with them, naming the field and its value; empty if nothing.
-std::string check(const CameraOptions& options);
+// An Error names the option and its value.
+Result<> check(const CameraOptions& options);
 
 void describe(OptionTable& table, CameraOptions& options);
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # lcm-gen 1.3 trusts the lengths in a message: `v.resize(n)` with a hostile n throws or exhausts memory before the
-# truncation is noticed, and a string of length 0 reads npos bytes. A length that the bytes left cannot hold is a broken
-# message; the generated decoders are made to say so.
+# truncation is noticed, and a string of length 0 reads npos bytes. This changes the generated decoders: if the bytes
+# that are left cannot hold the length, the message is broken.
 set(helper [=[
 #ifndef RUMI_LCM_LENGTH_FITS
 #define RUMI_LCM_LENGTH_FITS

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What is installed besides what is built, by component (programs, lcmtypes, python).
+# Installs the files that are not built, by component (programs, lcmtypes, python).
 set(config_dir ${CMAKE_INSTALL_DATADIR}/rumi/config)
 set(example_dir ${CMAKE_INSTALL_DOCDIR}/examples)
 
@@ -14,7 +14,7 @@ endforeach()
 install(FILES examples/CMakeLists.txt examples/listener.cpp DESTINATION ${example_dir} COMPONENT lcmtypes)
 install(FILES examples/listener.py examples/read_log.py DESTINATION ${example_dir} COMPONENT python)
 
-# What starts the programs names their folder, which is known when they are installed (`cmake --install --prefix`).
+# Files that start the programs name their folder, which is known only during installation (`cmake --install --prefix`).
 install(CODE "
 set(source \"${PROJECT_SOURCE_DIR}/config\")
 set(program_dir \"${RUMI_INSTALL_PROGRAM_DIR}\")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Runs while the programs are installed: units for systemd and the file for procman, with the folder of the programs.
-# Given: source, a folder; program_dir and procman_dir, as they are below the prefix.
+# Runs while the programs are installed: writes units for systemd and the file for procman, with the programs' folder.
+# Variables that must be set: source, a folder; program_dir and procman_dir, folders relative to the prefix.
 cmake_path(ABSOLUTE_PATH CMAKE_INSTALL_PREFIX NORMALIZE OUTPUT_VARIABLE prefix)
 cmake_path(ABSOLUTE_PATH program_dir BASE_DIRECTORY ${prefix} NORMALIZE OUTPUT_VARIABLE RUMI_PROGRAMS)
 

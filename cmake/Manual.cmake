@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What is made of --help: man pages (by help2man) and completion for bash and zsh (by Python), in target `manual`. It is for
-# who installs, so it is no part of `all` or `apps`. What is not built is not installed.
+# Target `manual` makes man pages (by help2man) and completion for bash and zsh (by Python) from --help. Only those who install
+# need it, so it is no part of `all` or `apps`. Parts that were not built are not installed.
 set(manual_dir ${CMAKE_BINARY_DIR}/manual)
 set(script_dir ${PROJECT_SOURCE_DIR}/packaging)
 find_program(HELP2MAN help2man)
 find_package(Python3 COMPONENTS Interpreter)
 add_custom_target(manual)
 
-# rumi_manual_part(NAME CAN_BE_MADE SCRIPT WITHOUT): SCRIPT RUMI FOLDER writes it; WITHOUT says what there is none of, and why.
+# rumi_manual_part(NAME CAN_BE_MADE SCRIPT WITHOUT): `SCRIPT RUMI FOLDER` writes the part NAME. If it cannot be made, WITHOUT
+# is printed, which says what will be missing, and why.
 function(rumi_manual_part name can_be_made script without)
   if(can_be_made AND NOT CMAKE_CROSSCOMPILING)
     add_custom_command(OUTPUT ${manual_dir}/${name}.done

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Headers that most files include are parsed once: else a third of the compiler's time goes to them. Every file includes what
-# it uses all the same; -DRUMI_PRECOMPILED=OFF builds without, and tells what was forgotten.
+# Headers that most files include are parsed once; otherwise they take a third of the compiler's time. Every file must still
+# include what it uses: a build with -DRUMI_PRECOMPILED=OFF finds includes that were forgotten.
 option(RUMI_PRECOMPILED "Precompile the headers that most files include" ON)
 
 set(common_headers ${RUMI_EIGEN_ASSERT}
                    <algorithm> <array> <cmath> <cstdint> <deque> <filesystem> <fstream> <functional> <limits> <map> <memory>
                    <mutex> <optional> <set> <sstream> <string> <utility> <vector>
                    <Eigen/Core> <Eigen/Geometry> <opencv2/core.hpp> <fmt/format.h>)
-# What the headers above need; what they define must be the same in all that use them.
+# Libraries that the headers above need. Their definitions must be the same in all targets that use the headers.
 set(common_libraries Eigen3::Eigen opencv_core fmt::fmt)
 
-# GCC takes a precompiled header only with the options that it was made with: libraries are position independent, tests
+# GCC accepts a precompiled header only with the options that it was made with: libraries are position independent, tests
 # are executables and have options of their own (rumi_test_options).
 if(RUMI_PRECOMPILED)
   file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/precompiled/main.cpp CONTENT "int main() { return 0; }\n")
@@ -27,7 +27,7 @@ function(rumi_use_precompiled target set)
   endif()
 endfunction()
 
-# Once the tests' options and GoogleTest are known.
+# To be called once the tests' options and GoogleTest are known.
 function(rumi_precompile_for_tests)
   if(RUMI_PRECOMPILED)
     add_executable(rumi_test_precompiled EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/precompiled/main.cpp)

@@ -14,21 +14,22 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  # Else it does not keep what was compiled with precompiled headers.
+  # Without these settings, ccache does not keep objects that were compiled with precompiled headers.
   set(launcher ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
   set(CMAKE_C_COMPILER_LAUNCHER ${launcher})
   set(CMAKE_CXX_COMPILER_LAUNCHER ${launcher})
 endif()
 
 add_compile_options(-Wall -Wextra -Wpedantic $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local>)
-# The generated code is repeatable to the bit only if the compiler may not fuse or reorder floating point.
+add_compile_options(-Werror=unused-result)  # refuses code that ignores a Result (base/result.h)
+# Results are repeatable to the bit only if the compiler may not fuse floating-point operations.
 add_compile_options(-ffp-contract=off)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-  add_compile_options(-mpopcnt)  # binary descriptors; in every x86-64 processor since 2008
+  add_compile_options(-mpopcnt)  # compares binary descriptors; every x86-64 processor since 2008 has it
 endif()
 if(RUMI_SANITIZE)
-  # The checks left out take half of the compiler's time and find nothing that AddressSanitizer would not end in a report too
-  # (a null pointer). GCC 12 takes what the sanitizers insert for uses of uninitialized variables.
+  # The checks that are left out take half of the compiler's time, and find nothing that AddressSanitizer would not report, too
+  # (such as a null pointer). GCC 12 mistakes code that sanitizers insert for uses of uninitialized variables.
   add_compile_options(-fsanitize=${RUMI_SANITIZE} -fno-sanitize=null,vptr,alignment,object-size -fno-sanitize-recover=all
                       -fno-omit-frame-pointer -Wno-maybe-uninitialized)
   add_link_options(-fsanitize=${RUMI_SANITIZE})
@@ -38,29 +39,31 @@ if(RUMI_FUZZ)
   if(NOT CMAKE_CXX_COMPILER_ID STREQUAL Clang)
     message(FATAL_ERROR "RUMI_FUZZ needs clang (-DCMAKE_CXX_COMPILER=clang++-14): libFuzzer is part of it")
   endif()
-  # What is fuzzed is instrumented; the fuzzer itself is linked into the programs of fuzz/ only.
+  # All code is instrumented for fuzzing; the fuzzer itself is linked only into the programs of fuzz/.
   set(fuzz_sanitizers address,undefined,float-cast-overflow)
   add_compile_options(-fsanitize=fuzzer-no-link,${fuzz_sanitizers} -fno-sanitize=vptr -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${fuzz_sanitizers})
 endif()
 
-# Every file gets this header before Eigen, so that all have the same one. It comes after the options: GCC takes a
-# precompiled header only where it is the first one, and that begins with this one.
+# Every file includes this header before Eigen, so that all have the same eigen_assert. The precompiled headers begin with it.
+# GCC uses them only if nothing is included before, so only targets without them include this header by an option.
 set(RUMI_EIGEN_ASSERT ${PROJECT_SOURCE_DIR}/base/eigen_assert.h)
-string(REPLACE "<FLAGS>" "<FLAGS> -include ${RUMI_EIGEN_ASSERT}" CMAKE_CXX_COMPILE_OBJECT "${CMAKE_CXX_COMPILE_OBJECT}")
+set(precompiled $<TARGET_PROPERTY:PRECOMPILE_HEADERS>$<TARGET_PROPERTY:PRECOMPILE_HEADERS_REUSE_FROM>)
+add_compile_options("$<$<AND:$<COMPILE_LANGUAGE:CXX>,$<STREQUAL:${precompiled},>>:SHELL:-include ${RUMI_EIGEN_ASSERT}>")
 
 include(Precompiled)
 
-# What is installed has three components, each with a target that builds it.
+# There are three components to install, each with a target that builds it.
 add_custom_target(programs)  # the processes and `rumi`, with their configuration, units and pages
 add_custom_target(lcmtypes)  # the wire types for C++ and C
-add_custom_target(python)    # the same for Python, and what reads logs and the bus there
-add_custom_target(apps)      # all of it: what `cmake --install` needs, and no more
+add_custom_target(python)    # the wire types for Python, and a module that reads logs and the bus
+add_custom_target(apps)      # all three: exactly what `cmake --install` needs
 add_dependencies(apps programs lcmtypes python)
-add_custom_target(sanitized_tests)  # tests of the code that messages, files and images reach: `make test-all` sanitizes them
+add_custom_target(sanitized_tests)  # tests of code that handles messages, files and images: `make test-all` sanitizes it
 add_custom_target(threaded_tests)   # tests with threads: `make tsan` runs these under ThreadSanitizer
 
-# rumi_install_needs(COMPONENT FILE): installing says what to build where CMake alone would say what it cannot find.
+# rumi_install_needs(COMPONENT FILE): if FILE is missing, the installation says which target to build; CMake alone would only
+# say that it cannot find FILE.
 function(rumi_install_needs component file)
   install(CODE "
 if(NOT EXISTS \"${file}\")
@@ -73,16 +76,22 @@ if(NOT EXISTS \"${file}\")
 endif()" COMPONENT ${component})
 endfunction()
 
+# Components in which every conversion that may change a value must be written as a cast; GCC refuses others.
+set(rumi_without_narrowing slam base bus formats synth camera_driver front_tracker ruminator)
+
 # rumi_library(NAME SOURCES... [LINK libs...]): one static library per folder; includes are relative to the project root.
 function(rumi_library name)
   cmake_parse_arguments(arg "" "" "SOURCES;LINK" ${ARGN})
   add_library(rumi_${name} STATIC ${arg_SOURCES})
   target_include_directories(rumi_${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(rumi_${name} PUBLIC ${arg_LINK})
+  if(name IN_LIST rumi_without_narrowing AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    target_compile_options(rumi_${name} PRIVATE -Wconversion -Werror=conversion)
+  endif()
   rumi_use_precompiled(rumi_${name} rumi_precompiled)
 endfunction()
 
-# rumi_executable(NAME SOURCES... [LINK libs...] INSTALL_TO folder): lands in build/bin and is installed.
+# rumi_executable(NAME SOURCES... [LINK libs...] INSTALL_TO folder): a program that is built in build/bin and installed.
 function(rumi_executable name)
   cmake_parse_arguments(arg "" "INSTALL_TO" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
@@ -92,15 +101,16 @@ function(rumi_executable name)
   install(TARGETS ${name} RUNTIME DESTINATION ${arg_INSTALL_TO} COMPONENT programs)
 endfunction()
 
-# Off the PATH: others have programs of these names, too. `rumi up` knows where they are (rumi/run/program_folder.h).
+# The processes are installed outside the PATH, because others have programs of these names, too. `rumi up` knows where they
+# are (rumi/run/program_folder.h).
 set(RUMI_INSTALL_PROGRAM_DIR ${CMAKE_INSTALL_LIBEXECDIR}/rumi)
 file(RELATIVE_PATH RUMI_PROGRAMS_FROM_BIN ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBEXECDIR}/rumi)
-# What a browser shows of it (rumi/web/page_files.h).
+# The folder of the web page's files (rumi/web/page_files.h).
 set(RUMI_INSTALL_PAGE_DIR ${CMAKE_INSTALL_DATADIR}/rumi/web)
 file(RELATIVE_PATH RUMI_PAGE_FROM_BIN ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADIR}/rumi/web)
 
-# rumi_component(NAME [EXCEPT sources...] LINK libs... [MAIN_LINK libs...]): a folder that is a process: main.cpp, which
-# also links MAIN_LINK, and a library of all else.
+# rumi_component(NAME [EXCEPT sources...] LINK libs... [MAIN_LINK libs...]): a folder that is a process. It makes a program of
+# main.cpp, which also links MAIN_LINK, and a library of all other sources.
 function(rumi_component name)
   cmake_parse_arguments(arg "" "" "EXCEPT;LINK;MAIN_LINK" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
@@ -109,7 +119,7 @@ function(rumi_component name)
   rumi_executable(${name} SOURCES main.cpp LINK rumi_${name} rumi_about ${arg_MAIN_LINK} INSTALL_TO ${RUMI_INSTALL_PROGRAM_DIR})
 endfunction()
 
-# What tests is not what is tested: compiled quickly.
+# Options of test code, which is optimized less than the code that it tests, to compile quickly.
 add_library(rumi_test_options INTERFACE)
 target_link_libraries(rumi_test_options INTERFACE GTest::gtest GTest::gmock)
 target_compile_options(rumi_test_options INTERFACE $<$<CONFIG:RelWithDebInfo>:-O1>)
@@ -135,13 +145,13 @@ endfunction()
 function(rumi_add_test_entry name program filter timeout labels)
   add_test(NAME ${name} COMMAND ${program} "--gtest_filter=${filter}")
   if(RUMI_SANITIZE)
-    math(EXPR timeout "${timeout} * 4")  # it only ends what hangs
+    math(EXPR timeout "${timeout} * 4")  # sanitizers are slow, and the limit is only for tests that hang
   endif()
   set_tests_properties(${name} PROPERTIES TIMEOUT ${timeout} LABELS "${labels}")
   rumi_suppress_false_reports(${name})
 endfunction()
 
-# Of sanitizers, about what they cannot see.
+# Suppresses false reports of sanitizers, about code that they cannot see.
 function(rumi_suppress_false_reports name)
   if(RUMI_SANITIZE MATCHES address)
     set_property(TEST ${name} PROPERTY ENVIRONMENT LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp)
@@ -150,10 +160,10 @@ function(rumi_suppress_false_reports name)
   endif()
 endfunction()
 
-# rumi_test(NAME [SANITIZED] SOURCES... LINK libs... [TIMEOUT s] [LONG filters...] [THREADED filters...]): a GoogleTest binary. One CTest entry,
-# NAME, of label quick; the tests named by LONG, which take more than some two seconds each, are another, NAME_long, of label
-# long. Sanitizers are for SANITIZED ones, without the long tests (run the binary itself for them). Under ThreadSanitizer
-# the tests named by THREADED, those that use threads, are a third entry, NAME_threads, of label threads.
+# rumi_test(NAME [SANITIZED] SOURCES... LINK libs... [TIMEOUT s] [LONG filters...] [THREADED filters...]): a GoogleTest binary
+# with up to three CTest entries. NAME has the label quick. NAME_long has the label long, and the tests named by LONG, which
+# take more than some two seconds each. Under ThreadSanitizer, NAME_threads has the label threads, and the tests named by
+# THREADED, which use threads. SANITIZED tests also run with sanitizers, without the long ones (run the binary for those).
 function(rumi_test name)
   cmake_parse_arguments(arg "SANITIZED" "TIMEOUT" "SOURCES;LINK;LONG;THREADED" ${ARGN})
   rumi_test_program(${name} SOURCES ${arg_SOURCES} LINK ${arg_LINK})

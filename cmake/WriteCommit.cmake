@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Runs in each build: writes OUTPUT, the source of base/command_line/about.h, where that has changed. Given: SOURCE, the
-# project's folder. A tarball has its commit in packaging/commit.txt (git archive put it there); a checkout is asked.
+# Runs in each build: writes OUTPUT, which defines the commit for base/command_line/about.h, if it has changed. SOURCE is the
+# project's folder. In a tarball, packaging/commit.txt has the commit (git archive wrote it); in a checkout, git is asked.
 file(STRINGS ${SOURCE}/packaging/commit.txt commit)
 string(REGEX REPLACE " .*" "" commit "${commit}")
 if(commit MATCHES "Format")

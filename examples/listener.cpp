@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Prints where the camera is in the map, as Rumi finds it out.
+// Prints the camera's pose in the map, as Rumi publishes it.
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>
 

@@ -10,8 +10,8 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr int64_t kAskAgainUs = 2'000'000;  // a request without an answer is repeated
-// Of one submap: some three thousand keyframes of a thousand keypoints.
+constexpr int64_t kAskAgainUs = 2'000'000;  // time after which a request without an answer is repeated
+// Room for one submap: some three thousand keyframes of a thousand keypoints.
 constexpr TransferOptions kTransfer{.max_held_bytes = int64_t{128} << 20};
 
 }  // namespace
@@ -53,19 +53,19 @@ void BackSubmapFetcher::on_map(const MapOverview& map) {
 
 void BackSubmapFetcher::tick(int64_t now_us) {
   receiver_.tick(now_us);
-  const bool waited = now_us >= next_try_us_ || next_try_us_ - now_us > kAskAgainUs;  // or the clock was set back
+  const bool waited = is_due(now_us, asked_us_, kAskAgainUs);
   if (waited && asked_for_ != kNoSubmap && !receiver_.progress(last_request_)) asked_for_ = kNoSubmap;
   if (waited) ask(now_us);
 }
 
-// One at a time, the oldest first (their ids count down).
+// Requests one submap at a time, the oldest first (ids count down).
 void BackSubmapFetcher::ask(int64_t now_us) {
   if (asked_for_ != kNoSubmap) return;
   for (auto it = listed_.rbegin(); it != listed_.rend(); ++it) {
     const auto& [id, revision] = *it;
     if (const auto settled = settled_.find(id); settled != settled_.end() && settled->second >= revision) continue;
     asked_for_ = id;
-    next_try_us_ = now_us + kAskAgainUs;
+    asked_us_ = now_us;
     map_request_t request{};
     request.utime = now_us;
     request.requester = name_;
@@ -80,26 +80,29 @@ void BackSubmapFetcher::ask(int64_t now_us) {
 
 ChunkReceiver::Verdict BackSubmapFetcher::on_payload(const ChunkReceiver::Payload& payload) {
   if (asked_for_ == kNoSubmap || payload.request_id != last_request_) return {.ok = false, .reason = "not asked for"};
-  if (payload.kind != chunk_t::SUBMAP_UPDATE) {  // map_server cannot now: asked again in time
+  if (payload.kind != chunk_t::SUBMAP_UPDATE) {  // map_server cannot answer now and is asked again later
     asked_for_ = kNoSubmap;
     return {};
   }
   const int id = std::exchange(asked_for_, kNoSubmap);
   if (!listed_.contains(id)) return {};  // no longer part of the map
   settled_[id] = listed_.at(id);
-  submap_update_t update;
-  Submap submap;
-  std::string why;
-  if (!Bus::decode(payload.bytes, &update))
-    why = fmt::format("back submap {}: {} bytes that are no submap update", id, payload.bytes.size());
-  else if (update.session != session_ || update.submap_id != id)
-    why = fmt::format("back submap {}: submap {} of session {} came instead", id, update.submap_id, update.session);
-  else
-    why = apply_submap_update(update, &submap);
-  if (why.empty()) why = handlers_.take(std::move(submap));
-  if (!why.empty()) refuse(why);
+  const Result<> taken = take(id, payload.bytes);
+  if (!taken) refuse(taken.error_text());
   ask(bus_.now_us());
-  return {.ok = why.empty(), .reason = why};
+  return {.ok = taken.has_value(), .reason = taken.error_text()};
+}
+
+Result<> BackSubmapFetcher::take(int id, std::span<const uint8_t> bytes) {
+  submap_update_t update;
+  if (!Bus::decode(bytes, &update))
+    return Error{fmt::format("back submap {}: {} bytes that are no submap update", id, bytes.size())};
+  if (update.session != session_ || update.submap_id != id)
+    return Error{
+        fmt::format("back submap {}: submap {} of session {} came instead", id, update.submap_id, update.session)};
+  Submap submap;
+  if (Result<> applied = apply_submap_update(update, &submap); !applied) return applied;
+  return handlers_.take(std::move(submap));
 }
 
 void BackSubmapFetcher::refuse(const std::string& why) {

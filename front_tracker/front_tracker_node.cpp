@@ -3,18 +3,18 @@
 
 #include <fmt/format.h>
 
+#include <deque>
+#include <iterator>
 #include <opencv2/core/utility.hpp>
-#include <stdexcept>
 #include <utility>
 
+#include "base/running/due.h"
 #include "base/running/log.h"
 #include "base/running/stage_clock.h"
 #include "base/this_process/cpu_clock.h"
 #include "base/this_process/process_name.h"
-#include "bus/wire/calibration.h"
-#include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/working_image.h"
 #include "lcmtypes/rumi/map_pose_t.hpp"
 #include "slam/features/lens_mask.h"
@@ -22,18 +22,14 @@
 namespace rumi::front_tracker {
 namespace {
 
-// Images waiting while one is worked on: two seconds at 30 Hz. Beginning a submap takes up to a second (its buffered
-// frames get their poses then), and tracking, at a third of the camera's period, catches up afterwards.
+// The images that may wait: two seconds at 30 Hz. Beginning a submap takes up to a second, because its buffered frames
+// get their poses then. Tracking needs a third of the camera's period per image and catches up afterwards.
 constexpr QueueOptions kImageQueue{60, DropPolicy::kDropOldest};
-// So many images in a row of another calibration or stream, or older than what was seen: the camera was changed, or a
-// recording started again. With ours between them they are a second camera's, or a hiccup.
-constexpr size_t kImagesOfNewSession = 10;
-
-constexpr int64_t kSilenceUs = 10'000'000;  // without an image from the start, that somebody should know of
+constexpr int64_t kSilenceUs = 10'000'000;  // time without any image after which the user is told
 
 using Kind = RefusedImages::Kind;
 
-// More than every hundredth.
+// True if more than one image in a hundred was dropped.
 bool dropped_many(const ChannelCounts& images) { return images.dropped * 100 > images.received; }
 
 }  // namespace
@@ -41,155 +37,85 @@ bool dropped_many(const ChannelCounts& images) { return images.dropped * 100 > i
 FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options, const std::optional<Camera>& camera)
     : bus_(bus),
       options_(options),
-      given_camera_(camera),
+      gate_(camera),
       publisher_(bus, unique_process_name("front_tracker"), options.publish_interval_s),
       tracks_(bus),
       mask_publisher_(bus) {
   if (const int most = options.tracking.back_keyframes; most > 0) {
-    const auto take = [this](Submap submap) { return tracker_ ? tracker_->add_back_submap(std::move(submap)) : ""; };
+    const auto take = [this](Submap submap) -> Result<> {
+      if (!tracker_) return {};
+      return tracker_->add_back_submap(std::move(submap));
+    };
     const auto forget = [this](int id) {
       if (tracker_) tracker_->remove_back_submap(id);
     };
     back_submaps_.emplace(bus, unique_process_name("front_tracker"), most,
                           BackSubmapFetcher::Handlers{.take = take, .forget = forget});
   }
-  cv::setNumThreads(1);  // more would take COLMAP's core, and make runs differ
+  cv::setNumThreads(1);  // more would take the core that COLMAP uses, and runs would differ
   silent_since_us_ = bus.now_us();
   bus.subscribe_raw(channels::kCamera, kImageQueue, [this](std::span<const uint8_t> data) { return on_message(data); });
   bus.subscribe<map_status_t>(channels::kMapStatus, {4}, [this](const map_status_t& status) { on_map_status(status); });
 }
 
-void FrontTrackerNode::refuse(Kind kind, const std::string& problem) {
-  problem_ = problem;
-  refused_.add(kind, problem);
-}
-
 bool FrontTrackerNode::on_message(std::span<const uint8_t> data) {
-  image_t image;
-  if (!Bus::decode(data, &image)) {
-    refuse(Kind::kNoImage, "it is no message of the type image_t, or broken");
+  ArrivedImage arrived;
+  const image_t& image = arrived.image;
+  if (!Bus::decode(data, &arrived.image)) {
+    gate_.refuse(Kind::kNoImage, "it is no message of the type image_t, or broken");
     return false;
   }
   if (!plausible_utime(image.utime)) {
-    refuse(Kind::kNoTime, fmt::format("its utime is {}{}: it must be microseconds since 1970", image.utime,
-                                      image.utime < 0 ? "" : ", as nanoseconds would be"));
+    gate_.refuse(Kind::kNoTime, fmt::format("its utime is {}{}: it must be microseconds since 1970", image.utime,
+                                            image.utime < 0 ? "" : ", as nanoseconds would be"));
     return false;
   }
-  on_image(image, bus_.now_us());
+  arrived.arrived_us = bus_.now_us();
+  on_image(std::move(arrived));
   return true;
 }
 
-std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image, int64_t arrived_us) {
-  if (given_camera_) return given_camera_;
-  const std::string text = metadata(image, kCalibrationKey);
-  if (tracker_ && (text.empty() || text == session_calibration_)) return image_camera_;
-  if (text.empty()) {
-    refuse(Kind::kCalibration,
-           "it carries no calibration: give the camera's with --camera FILE (front_tracker, rumi up)");
-    return std::nullopt;
+void FrontTrackerNode::on_image(ArrivedImage arrived) {
+  if (finishing_) return;
+  std::deque<ArrivedImage> next;
+  next.push_back(std::move(arrived));
+  while (!next.empty()) {
+    const ArrivedImage image = std::move(next.front());
+    next.pop_front();
+    SessionGate::Decision decision = gate_.judge(image);
+    if (!decision.why_session_ends.empty()) {
+      log_warning("{}: a new session begins with the first of them", decision.why_session_ends);
+      retire_session();
+    }
+    next.insert(next.begin(), std::make_move_iterator(decision.next.begin()),
+                std::make_move_iterator(decision.next.end()));
+    if (decision.what == SessionGate::Decision::What::kTrack) track(image, *decision.camera);
   }
-  const Calibration parsed = parse_calibration(text, "calibration of the image");
-  if (!parsed.ok()) {
-    refuse(Kind::kCalibration, parsed.error);
-    return std::nullopt;
-  }
-  if (!tracker_) return parsed.camera;
-  const Camera& other = parsed.camera;
-  wait_as_foreign(
-      image, arrived_us,
-      fmt::format("it is calibrated as {} x {} px with fx {:.2f}, and the session's images as {} x {} "
-                  "px with fx {:.2f}",
-                  other.width, other.height, other.fx, image_camera_.width, image_camera_.height, image_camera_.fx));
-  return std::nullopt;
 }
 
-void FrontTrackerNode::wait(Kind kind, const image_t& image, int64_t arrived_us, const std::string& problem) {
-  if (waiting_kind_ != kind) give_up_waiting();
-  waiting_kind_ = kind;
-  problem_ = waiting_problem_ = problem;
-  waiting_.push_back({image, arrived_us});
-  refused_.count(kind);
+void FrontTrackerNode::track(const ArrivedImage& arrived, const Camera& camera) {
+  const cv::Mat grey = decode(arrived.image, camera);
+  if (grey.empty()) return;
+  if (!tracker_) begin_session(camera, arrived.image);
+  gate_.take(arrived);
+  const double before_s = thread_cpu_s();
+  const auto result = pose_of(arrived.image, grey);
+  if (result) publish(arrived.image, *result, 1e3 * (thread_cpu_s() - before_s));
 }
 
-void FrontTrackerNode::give_up_waiting() {
-  if (!waiting_.empty()) refused_.tell(waiting_kind_, waiting_problem_);
-  waiting_.clear();
-}
-
-void FrontTrackerNode::take_waiting() {
-  refused_.take_back(waiting_kind_, static_cast<int64_t>(waiting_.size()));
-  for (const Waiting& first : std::exchange(waiting_, {})) on_image(first.image, first.arrived_us);
-}
-
-void FrontTrackerNode::wait_as_foreign(const image_t& image, int64_t arrived_us, const std::string& problem) {
-  times_.forget_row();
-  wait(Kind::kOtherCamera, image, arrived_us,
-       problem + ": if two cameras publish on this channel, give one of them another (--channel)");
-  if (waiting_.size() < kImagesOfNewSession) return;
-  end_session("the images are of another camera or recording");
-  times_.begin_session();
-  take_waiting();
-}
-
-void FrontTrackerNode::wait_for_times(const image_t& image, int64_t arrived_us) {
-  const int64_t last_us = times_.last_us();
-  const std::string no_time = times_.what_is_wrong() + ": utime must be microseconds since 1970";
-  // One that begins a row has nothing to do with those that wait, and tells what is wrong with them.
-  if (times_.row() == 1) {
-    if (waiting_kind_ == Kind::kNoTime) waiting_problem_ = no_time;
-    give_up_waiting();
-  }
-  if (times_.are_none() || times_.doubt() == ImageTimes::Doubt::kNoTime)
-    wait(Kind::kNoTime, image, arrived_us, no_time);
-  else if (times_.doubt() == ImageTimes::Doubt::kAhead)
-    wait(Kind::kAhead, image, arrived_us,
-         fmt::format("its utime {} is {:.3f} s after the last, and the next ones are not", image.utime,
-                     1e-6 * static_cast<double>(image.utime - last_us)));
-  else
-    wait(Kind::kOlder, image, arrived_us, fmt::format("its utime {} is older than the last, {}", image.utime, last_us));
-}
-
-void FrontTrackerNode::end_session(const std::string& reason) {
-  if (tracker_) log_warning("{}: a new session begins with the first of them", reason);
-  retire_session();
-}
-
-// Those that wait are taken in here where it is sure what they are, with this one behind them.
-bool FrontTrackerNode::has_usable_time(const image_t& image, int64_t arrived_us) {
-  const int64_t last_us = times_.last_us();
-  const bool is_checked = !metadata(image, kPublishedKey).empty();
-  switch (times_.judge(image.utime, arrived_us, is_checked)) {
-    case ImageTimes::Verdict::kNext:
-      return true;
-    case ImageTimes::Verdict::kDoubled:
-      refuse(Kind::kDoubled, fmt::format("its utime {} is that of the image before", image.utime));
-      return false;
-    case ImageTimes::Verdict::kWaits:
-      wait_for_times(image, arrived_us);
-      return false;
-    case ImageTimes::Verdict::kBegins:
-      if (tracker_)
-        end_session(fmt::format("the camera's time went back by {:.3f} s",
-                                1e-6 * static_cast<double>(last_us - waiting_.front().image.utime)));
-      break;
-    case ImageTimes::Verdict::kGoesOn:
-      break;
-  }
-  take_waiting();
-  on_image(image, arrived_us);
-  return false;
-}
-
-bool FrontTrackerNode::is_of_another_stream(const image_t& image) const {
-  const int64_t stream = stream_of(image);
-  return tracker_ && stream != kNoStream && stream != session_stream_;
+cv::Mat FrontTrackerNode::decode(const image_t& image, const Camera& camera) {
+  const StageClock clock("front_tracker.decode");
+  const Camera working = tracker_ ? tracker_->camera() : working_camera(camera, options_.max_image_side);
+  Result<cv::Mat> grey = decode_working_image(image, camera, working);
+  if (!grey) gate_.refuse(Kind::kDamaged, grey.error_text());
+  return grey.value_or(cv::Mat());
 }
 
 void FrontTrackerNode::begin_session(const Camera& camera, const image_t& image) {
-  image_camera_ = camera;
-  session_calibration_ = metadata(image, kCalibrationKey);
   session_ = std::max(bus_.now_us(), session_ + 1);
-  session_stream_ = stream_of(image) != kNoStream ? stream_of(image) : session_;
+  const int64_t stream = stream_of(image);
+  session_stream_ = stream != kNoStream ? stream : session_;
+  gate_.begin_session(camera, image, session_stream_);
   tracks_.begin_session(session_, session_stream_);
   repeated_.begin_session();
   if (back_submaps_) back_submaps_->begin_session(session_);
@@ -213,42 +139,14 @@ void FrontTrackerNode::note_broken_mapping() {
   broken_mapping_.note(broken.reason, bus_.now_us(), broken.count);
 }
 
-cv::Mat FrontTrackerNode::usable_image(const image_t& image, int64_t arrived_us) {
-  const StageClock clock("front_tracker.decode");
-  if (is_of_another_stream(image)) {
-    wait_as_foreign(image, arrived_us,
-                    fmt::format("it is of stream {}, and the session's images are of stream {}", stream_of(image),
-                                session_stream_));
-    return {};
-  }
-  if (!has_usable_time(image, arrived_us)) return {};
-  const std::optional<Camera> camera = camera_of(image, arrived_us);
-  if (!camera) return {};
-  times_.forget_row();
-  give_up_waiting();
-  if (image.width != camera->width || image.height != camera->height) {
-    refuse(Kind::kSize, fmt::format("it is {}x{} but the calibration is for {}x{}", image.width, image.height,
-                                    camera->width, camera->height));
-    return {};
-  }
-  std::string error;
-  cv::Mat grey = decode_working_image(image, *camera, working_camera(*camera, options_.max_image_side), &error);
-  if (grey.empty())
-    refuse(Kind::kDamaged, error);
-  else if (!tracker_)
-    begin_session(*camera, image);
-  return grey;
-}
-
 const ImageMask& FrontTrackerNode::mask_of(const image_t& image, const cv::Size& size) {
-  std::string error;
-  const ImageMask& mask = masks_.read(image, size, &error);
-  if (!error.empty() && !std::exchange(told_of_mask_, true))
-    log_warning("{}: the image is used as if it had none (further images like it are not said)", error);
+  const ImageMask& mask = masks_.read(image, size);
+  if (!masks_.problem().empty() && !std::exchange(told_of_mask_, true))
+    log_warning("{}: the image is used as if it had none (further images like it are not said)", masks_.problem());
   return mask;
 }
 
-std::optional<TrackResult> FrontTrackerNode::take(const image_t& image, const cv::Mat& grey) {
+std::optional<TrackResult> FrontTrackerNode::pose_of(const image_t& image, const cv::Mat& grey) {
   const RepeatedImages::Kind kind = repeated_.take(image.utime, grey);
   if (kind == RepeatedImages::Kind::kNew || state_ != TrackingState::kTracking)
     return tracker_->process(image.utime, grey, mask_of(image, grey.size()));
@@ -256,24 +154,15 @@ std::optional<TrackResult> FrontTrackerNode::take(const image_t& image, const cv
   return tracker_->predict(image.utime);
 }
 
-void FrontTrackerNode::on_image(const image_t& image, int64_t arrived_us) {
-  if (finishing_) return;
-  const cv::Mat grey = usable_image(image, arrived_us);
-  if (grey.empty()) return;
-  problem_.clear();
-  times_.take(image.utime, arrived_us);
-  const double before_s = thread_cpu_s();
-  const auto result = take(image, grey);
-  if (!result) return;
-  const double cpu_ms = 1e3 * (thread_cpu_s() - before_s);
+void FrontTrackerNode::publish(const image_t& image, const TrackResult& result, double cpu_ms) {
   cpu_ms_ += cpu_ms;
   ++cpu_count_;
-  state_ = result->state;
+  state_ = result.state;
   tracks_.publish_posed_afterwards(tracker_->posed_afterwards());
   tracks_.publish_withdrawn(tracker_->withdrawn());
-  tracks_.publish(image, *result, cpu_ms);
-  has_posed_ = has_posed_ || result->submap_id != kNoSubmap;
-  publish_in_map(*result);
+  tracks_.publish(image, result, cpu_ms);
+  has_posed_ = has_posed_ || result.submap_id != kNoSubmap;
+  publish_in_map(result);
   mask_publisher_.publish(*tracker_, image.utime, bus_.now_us());
   publisher_.publish(*tracker_, bus_.now_us(), false);
 }
@@ -325,19 +214,19 @@ ChannelCounts FrontTrackerNode::images() const {
   return {};
 }
 
-// A user who named another channel, or whose camera's program has ended, would wait for ever.
+// Without this message a user who named the wrong channel, or whose camera's program has ended, would wait for ever.
 void FrontTrackerNode::tell_of_silence(int64_t now_us) {
-  if (silent_since_us_ == 0) return;
-  if (images().received > 0) silent_since_us_ = 0;
-  if (silent_since_us_ == 0 || now_us - silent_since_us_ < kSilenceUs) return;
-  silent_since_us_ = 0;
+  if (!silent_since_us_) return;
+  if (images().received > 0) silent_since_us_.reset();
+  if (!silent_since_us_ || !is_due(now_us, *silent_since_us_, kSilenceUs)) return;
+  silent_since_us_.reset();
   log_warning("no image has come for {} s: is the camera's program running, on this channel (--channel)?",
               kSilenceUs / 1'000'000);
 }
 
 std::vector<std::string> FrontTrackerNode::complaints() const {
   const ChannelCounts counts = images();
-  std::vector<std::string> sentences = refused_.complaints(counts.received);
+  std::vector<std::string> sentences = refused().complaints(counts.received);
   if (dropped_many(counts))
     sentences.push_back(fmt::format(
         "{} of {} images were dropped: they came faster than they could be tracked; smaller ones take less time "
@@ -346,14 +235,14 @@ std::vector<std::string> FrontTrackerNode::complaints() const {
   if (repeated_.still() * 100 > counts.received)
     sentences.push_back(
         fmt::format("of {} images {}: the camera or the recorder stood still", counts.received, repeated_.text()));
-  if (const int64_t used = counts.received - refused_.total(); used > 0 && !has_posed_)
+  if (const int64_t used = counts.received - refused().total(); used > 0 && !has_posed_)
     sentences.push_back(fmt::format(
         "none of {} images got a pose: a map begins where the camera moves sideways, past things with corners", used));
   return sentences;
 }
 
 void FrontTrackerNode::finish() {
-  if (!finishing_) give_up_waiting();
+  if (!finishing_) gate_.give_up_waiting();
   finishing_ = true;
   retire_session();
 }
@@ -366,7 +255,7 @@ std::string FrontTrackerNode::waits_for() const {
 
 NodeStatus FrontTrackerNode::status() {
   NodeStatus s;
-  s.last_utime_us = std::max<int64_t>(times_.last_us(), 0);
+  s.last_utime_us = std::max<int64_t>(gate_.last_us(), 0);
   s.processing_ms = cpu_count_ ? cpu_ms_ / cpu_count_ : 0;
   cpu_ms_ = 0;
   cpu_count_ = 0;
@@ -375,9 +264,9 @@ NodeStatus FrontTrackerNode::status() {
     s.detail += fmt::format(", {} back submaps to relocalize in", tracker_->back_submaps().submaps());
   if (back_submaps_ && back_submaps_->refused() > 0)
     s.detail += fmt::format(", {} back submaps refused: {}", back_submaps_->refused(), back_submaps_->problem());
-  s.detail += refused_.text();
-  s.refused_images = std::max<int64_t>(0, refused_.total() - images().undecodable);
-  s.degraded = refused_.take_news();
+  s.detail += refused().text();
+  s.refused_images = std::max<int64_t>(0, refused().total() - images().undecodable);
+  s.degraded = gate_.take_news_of_refused();
   if (repeated_.still() > 0) s.detail += ", " + repeated_.text();
   if (broken_mapping_.count() > 0) {
     s.detail += ", " + broken_mapping_.text();
@@ -387,8 +276,8 @@ NodeStatus FrontTrackerNode::status() {
     s.detail += ", map_server: " + publisher_.failure();
     s.degraded = true;
   }
-  if (!problem_.empty()) {
-    s.detail += ", last image: " + problem_;
+  if (!gate_.problem().empty()) {
+    s.detail += ", last image: " + gate_.problem();
     s.degraded = true;
   }
   return s;

@@ -9,11 +9,13 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr int64_t kNearClockUs = 10'000'000;  // the clocks of two computers may differ
-constexpr int64_t kShortestStepUs = 500;      // a high-speed camera
-// Nanoseconds: longer steps than a camera makes, at a pace that no recording is played at.
+constexpr int64_t kNearClockUs = 10'000'000;  // largest distance of an image's time from the clock; clocks of two
+                                              // computers may differ
+constexpr int64_t kShortestStepUs = 500;      // shortest step of a high-speed camera
+// Times count as nanoseconds if they rise by more than kLongStepUs per image, and more than kFastestPace times as fast
+// as the clock: no recording is played so fast.
 constexpr int64_t kLongStepUs = 10'000'000, kFastestPace = 300;
-// Ahead: more than that, many times what the clock says and many times the step before.
+// A time is far ahead if its step exceeds kAheadUs, many times the clock's step and many times the step before.
 constexpr int64_t kAheadUs = 1'000'000, kTimesTheClock = 20, kTimesTheStep = 10;
 constexpr int kRowOfFirst = 2, kRowOfOlder = 10, kRowOfAhead = 5;
 constexpr int kWrongStepsToTell = 3;
@@ -28,7 +30,8 @@ int enough(ImageTimes::Doubt doubt) {
   return doubt == ImageTimes::Doubt::kAhead ? kRowOfAhead : kRowOfFirst;
 }
 
-// In which unit the time would be that of the clock.
+// Returns a hint at the unit in which the time would agree with the clock; empty if it is neither seconds nor
+// milliseconds.
 std::string question_about_unit(int64_t utime_us, int64_t clock_us) {
   constexpr double kSame = 0.01;
   const auto is_near = [&](double factor) {
@@ -59,14 +62,14 @@ ImageTimes::Verdict ImageTimes::judge(int64_t utime_us, int64_t now_us, bool is_
   step_us_ = is_first ? -1 : utime_us - before_.utime_us;
   clock_step_us_ = is_first ? 0 : now_us - before_.clock_us;
   const bool is_step = !is_first && (is_checked ? step_us_ > 0 : is_step_of_camera(step_us_, clock_step_us_));
-  // Back and forth is no other unit.
+  // A large step back does not mean that the unit is wrong.
   const bool is_wrong = !is_first && !is_step && step_us_ > -kShortestStepUs;
   wrong_steps_ = is_wrong ? wrong_steps_ + 1 : 0;
   before_ = image;
 
   const Doubt doubt = doubt_about(image, is_checked);
   const Doubt of_row = row_ > 0 ? doubt_ : Doubt::kNone;
-  // What was far ahead is by now where the clock is, too.
+  // True if the clock has reached the times that were far ahead.
   const bool caught_up = doubt == Doubt::kNone && of_row == Doubt::kAhead && is_step;
   if (doubt == Doubt::kNone && !caught_up) {
     doubt_ = Doubt::kNone;
@@ -80,7 +83,7 @@ ImageTimes::Verdict ImageTimes::judge(int64_t utime_us, int64_t now_us, bool is_
   return end_row();
 }
 
-// All of the row are judged again, and are sure by now.
+// Ends the row of waiting images. They will be judged again, and then be taken.
 ImageTimes::Verdict ImageTimes::end_row() {
   last_us_ = first_of_row_.utime_us - 1;
   last_clock_us_ = first_of_row_.clock_us;

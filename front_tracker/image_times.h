@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether the time of an image goes on from that of the one before, by what the clock says when they come. A recording
-// has been looked at as a whole before; live nobody knows what comes next.
+// Judges whether an image's time goes on from that of the image before, also by the clock times of their arrival. For a
+// recording, camera_driver checks all times beforehand; for a live camera, the next times are unknown.
 #pragma once
 
 #include <cstdint>
@@ -11,30 +11,31 @@ namespace rumi::front_tracker {
 class ImageTimes {
  public:
   enum class Verdict {
-    kNext,     // goes on from the last one that was taken
-    kWaits,    // the next ones tell
-    kBegins,   // the row that waits, this one included, begins a session
-    kGoesOn,   // the row goes on after a pause
-    kDoubled,  // of the time of the last one
+    kNext,     // goes on from the last image that was taken
+    kWaits,    // the images that follow will decide
+    kBegins,   // the images that wait and this one begin a session
+    kGoesOn,   // the images that wait and this one go on after a pause
+    kDoubled,  // has the time of the last image
   };
   enum class Doubt { kNone, kNoTime, kOlder, kAhead };
 
-  // Near the clock a session begins with the first image, else with two whose times rise as those of a camera do; ten
-  // such older than the last one begin another session; five such far ahead of it go on after a pause. Times that stand
-  // or have another unit never get so far. camera_driver has looked at all times of what it plays (`is_checked`).
+  // A session begins with the first image whose time is near the clock, or with two whose times rise as a camera's do.
+  // Other images wait. Ten in a row with such times that are older than the last image begin another session; five in a
+  // row that are far ahead of it go on after a pause. Times that stand still or have another unit never make such a
+  // row. `is_checked`: camera_driver has checked the times of the whole recording.
   Verdict judge(int64_t utime_us, int64_t now_us, bool is_checked = false);
-  // It was used: later ones are to be newer.
+  // Notes that the image was used. Later images must be newer.
   void take(int64_t utime_us, int64_t now_us);
-  // The times of two sessions have nothing to do with each other.
+  // Forgets the times of the session before.
   void begin_session();
-  // What waits is given up.
+  // Gives up the images that wait.
   void forget_row() { row_ = 0; }
 
-  int row() const { return row_; }              // images in a row, with the last one
-  Doubt doubt() const { return doubt_; }        // of the last image
-  bool are_none() const;                        // for some images the times were not those of a camera
-  std::string what_is_wrong() const;            // with the times, then
-  int64_t last_us() const { return last_us_; }  // that was taken; kNever: none
+  int row() const { return row_; }              // number of images that wait, with the last one
+  Doubt doubt() const { return doubt_; }        // doubt about the time of the last image
+  bool are_none() const;                        // true: the latest times did not rise as a camera's do
+  std::string what_is_wrong() const;            // text about the times if are_none()
+  int64_t last_us() const { return last_us_; }  // time of the last image that was taken; kNever if there is none
   static constexpr int64_t kNever = INT64_MIN;
 
  private:
@@ -44,10 +45,10 @@ class ImageTimes {
   Doubt doubt_about(const Moment& image, bool is_checked) const;
   Verdict end_row();
 
-  int64_t last_us_ = kNever, last_clock_us_ = 0, last_step_us_ = 0;  // of those that were taken
-  Moment before_, first_of_row_;                                     // the last image, taken or not
-  int64_t step_us_ = 0, clock_step_us_ = 0;                          // to the last image
-  int row_ = 0, wrong_steps_ = 0;                                    // in a row
+  int64_t last_us_ = kNever, last_clock_us_ = 0, last_step_us_ = 0;  // times and step of the images that were taken
+  Moment before_, first_of_row_;                                     // before_: the last image, taken or not
+  int64_t step_us_ = 0, clock_step_us_ = 0;                          // steps from the image before to the last one
+  int row_ = 0, wrong_steps_ = 0;                                    // numbers of images in a row
   Doubt doubt_ = Doubt::kNone;
 };
 

@@ -43,7 +43,7 @@ void MaskPublisher::publish(const Tracker& tracker, int64_t utime_us, int64_t no
 }
 
 void MaskPublisher::tell(double left_out) {
-  constexpr double kWorthTelling = 0.03;  // of the image
+  constexpr double kWorthTelling = 0.03;  // least change of the share left out that is worth a line in the log
   if (std::abs(left_out - told_) < kWorthTelling && (told_ > 0) == (left_out > 0)) return;
   told_ = left_out;
   if (left_out > 0)

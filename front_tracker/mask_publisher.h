@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// RUMI_MASK: what of a camera's images never moves.
+// Publishes RUMI_MASK: the parts of a camera's images that never move.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace rumi::front_tracker {
 class MaskPublisher {
  public:
   explicit MaskPublisher(Bus& bus) : bus_(bus) {}
-  // Whenever the mask has changed, and again once a second while there is one; what is new is said in the log.
+  // Publishes a mask that has changed, and repeats it once a second. Logs large changes.
   void publish(const Tracker& tracker, int64_t utime_us, int64_t now_us);
 
  private:
@@ -20,9 +20,9 @@ class MaskPublisher {
 
   Bus& bus_;
   int64_t session_ = 0;
-  cv::Mat published_;  // pixels
+  cv::Mat published_;  // pixels of the mask that was published last
   int64_t published_us_ = INT64_MIN;
-  double told_ = 0;  // share that was said last
+  double told_ = 0;  // share that is left out, as the log said last
 };
 
 }  // namespace rumi::front_tracker

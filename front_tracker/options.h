@@ -10,9 +10,10 @@
 namespace rumi::front_tracker {
 
 struct FrontTrackerOptions : TrackerOptions {
-  double publish_interval_s = 0.5;            // between two updates of a submap, at least (frame time)
-  int max_image_side = kDefaultMaxImageSide;  // pixels; larger images are worked on smaller
-  std::string camera_file;                    // overrides the calibration that comes with the images
+  double publish_interval_s = 0.5;            // time between two updates of a submap, at least
+  int max_image_side = kDefaultMaxImageSide;  // pixels; larger images are made smaller first
+  std::string camera_file;                    // calibration file that replaces the calibration sent with the images;
+                                              // empty: none
 };
 
 void describe(OptionTable& table, FrontTrackerOptions& options);

@@ -12,8 +12,8 @@ using Kind = RefusedImages::Kind;
 
 struct Words {
   const char* name;
-  const char* what;    // "75 of 150 images refused: ..."
-  const char* remedy;  // "; ..."
+  const char* what;    // put behind "75 of 150 images refused: "
+  const char* remedy;  // put behind "; "
 };
 
 Words words_of(Kind kind) {

@@ -10,9 +10,9 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr double kMostNoise = 1;       // grey levels: what encoding once more may leave
-constexpr int64_t kMostDoubled = 2;    // images in a row
-constexpr int64_t kWorthTelling = 10;  // images in a row
+constexpr double kMostNoise = 1;       // largest difference in grey levels that encoding an image again may leave
+constexpr int64_t kMostDoubled = 2;    // repeated images in a row that are kDoubled
+constexpr int64_t kWorthTelling = 10;  // repeated images in a row that are worth a line in the log
 
 }  // namespace
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Images that are the one before once more, with another time: the camera, the driver or the recorder stood still. Such
-// an image tells nothing of where the camera is by now.
+// Recognizes images that repeat the one before with another time, because the camera, the driver or the recorder stood
+// still. Such an image does not tell where the camera is now.
 #pragma once
 
 #include <cstdint>
@@ -13,24 +13,24 @@ class RepeatedImages {
  public:
   enum class Kind {
     kNew,
-    kDoubled,  // one or two in a row: too short for the camera's motion to change
-    kStill,    // a longer row
+    kDoubled,  // first or second in a row: too short a time for the camera's motion to change
+    kStill,    // third or later in a row
   };
   struct Row {
     int64_t images = 0;
-    double begin_s = 0;  // since the first image
+    double begin_s = 0;  // time of its first image, counted from the first image of the session
   };
 
-  // Images in order of time. The first of a kind and long rows are said in the log.
+  // Judges the images in order of time. Logs the first doubled one, and long rows.
   Kind take(int64_t utime_us, const cv::Mat& grey);
-  // Times begin anew.
+  // Forgets the image before. Times are counted from the next image.
   void begin_session();
 
   int64_t doubled() const { return doubled_; }
   int64_t still() const { return still_; }
   const Row& longest() const { return longest_; }
-  // Of those that stood still: "28 images are the same as the one before; the longest row: 30 from 1.33 s on". Empty
-  // where there are none.
+  // Returns "28 images are the same as the one before; the longest row: 30 from 1.33 s on"; empty if no image stood
+  // still.
   std::string text() const;
 
  private:

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "front_tracker/submap_publisher.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/running/due.h"
@@ -16,29 +15,25 @@ SubmapPublisher::SubmapPublisher(Bus& bus, const std::string& sender_name, doubl
 
 void SubmapPublisher::publish(Tracker& tracker, int64_t now_us, bool all) {
   const StageClock clock("front_tracker.send");
-  const std::scoped_lock lock(tracker.mutex());
-  for (const auto& submap : tracker.submaps()) {
-    Progress& progress = progress_[submap->map.key];
-    if (progress.in_flight) continue;
-    if (all && !submap->map.closed) {
-      submap->map.closed = true;
-      submap->map.stamp();
-      submap->keep_images(0);
-    }
-    if (submap->map.revision <= progress.stored_revision) continue;
-    if (!all && !is_due(now_us, progress.last_sent_us, std::llround(1e6 * interval_s_))) continue;
+  tracker.visit_submaps([&](FrontSubmap& submap) {
+    Progress& progress = progress_[submap.map.key];
+    if (progress.in_flight) return;
+    if (all) submap.close();
+    if (submap.map.revision <= progress.stored_revision) return;
+    if (!all && !is_due(now_us, progress.last_sent_us, std::llround(1e6 * interval_s_))) return;
     progress.last_sent_us = now_us;
-    send(*submap, &progress);
-  }
+    send(submap, &progress);
+  });
 }
 
 bool SubmapPublisher::complete(Tracker& tracker) const {
-  const std::scoped_lock lock(tracker.mutex());
-  return std::all_of(tracker.submaps().begin(), tracker.submaps().end(), [this](const auto& submap) {
-    const auto progress = progress_.find(submap->map.key);
-    return submap->map.closed && progress != progress_.end() && !progress->second.in_flight &&
-           submap->map.revision <= progress->second.stored_revision;
+  bool complete = true;
+  tracker.visit_submaps([&](const FrontSubmap& submap) {
+    const auto progress = progress_.find(submap.map.key);
+    complete = complete && submap.map.closed && progress != progress_.end() && !progress->second.in_flight &&
+               submap.map.revision <= progress->second.stored_revision;
   });
+  return complete;
 }
 
 void SubmapPublisher::send(FrontSubmap& submap, Progress* progress) {
@@ -47,7 +42,7 @@ void SubmapPublisher::send(FrontSubmap& submap, Progress* progress) {
   progress->in_flight = true;
   sender_.send("", chunk_t::SUBMAP_UPDATE, 0, encode_message(update), [this, progress](const TransferResult& result) {
     progress->in_flight = false;
-    // A rejected update tells what the server has: the next one begins there.
+    // If the server rejects an update, it says which revision it has stored. The next update begins there.
     if (result.ok || result.revision < progress->stored_revision) progress->stored_revision = result.revision;
     const std::string failure = result.ok ? "" : result.reason;
     if (failure_ != failure && !failure.empty()) log_warning("map_server did not take a submap update: {}", failure);

@@ -2,17 +2,18 @@
 #include "front_tracker/track_publisher.h"
 
 #include <charconv>
-#include <string>
+#include <string_view>
 
 #include "bus/wire/image_codec.h"
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
+#include "bus/wire/tracking_state.h"
 
 namespace rumi::front_tracker {
 namespace {
 
-// From publication to pose where the driver says when it published, else from capture.
+// Returns the time from publication to pose if the driver says when it published, otherwise from capture to pose.
 float latency_ms(const image_t& image, int64_t now_us) {
-  const std::string published = metadata(image, kPublishedKey);
+  const std::string_view published = metadata(image, kPublishedKey);
   int64_t from_us = image.utime;
   std::from_chars(published.data(), published.data() + published.size(), from_us);
   return static_cast<float>(1e-3 * static_cast<double>(now_us - from_us));
@@ -51,7 +52,7 @@ void TrackPublisher::publish(const image_t& image, const TrackResult& r, double 
   track.session = session_;
   track.stream = stream_;
   track.sequence = sequence_++;
-  track.state = static_cast<int8_t>(r.state);
+  track.state = to_wire(r.state);
   set_pose(r, &track);
   track.processing_ms = static_cast<float>(cpu_ms);
   track.latency_ms = latency_ms(image, bus_.now_us());
@@ -66,7 +67,7 @@ void TrackPublisher::publish_posed_afterwards(const std::vector<TrackResult>& fr
   for (const TrackResult& r : frames) {
     const auto told = without_pose_.find(r.utime_us);
     if (told == without_pose_.end()) continue;
-    track_t track = told->second;  // sequence, state and times stay what they were
+    track_t track = told->second;  // keeps sequence, state and times
     set_pose(r, &track);
     bus_.publish(channels::kTrack, track);
     remember(track, &with_pose_);
@@ -77,7 +78,7 @@ void TrackPublisher::publish_withdrawn(const std::vector<int64_t>& utimes_us) {
   for (const int64_t utime_us : utimes_us) {
     const auto told = with_pose_.find(utime_us);
     if (told == with_pose_.end()) continue;
-    track_t track = told->second;  // sequence and times stay what they were
+    track_t track = told->second;  // keeps sequence and times
     track.state = track_t::RECENTLY_LOST;
     set_pose({}, &track);
     track.keypoints = told->second.keypoints;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// RUMI_TRACK and CAMERA_TO_SUBMAP: what is said of each image, and said again where it gets or loses its pose
-// afterwards.
+// Publishes RUMI_TRACK and CAMERA_TO_SUBMAP for each image, and again if the image gets or loses its pose afterwards.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +17,10 @@ class TrackPublisher {
  public:
   explicit TrackPublisher(Bus& bus) : bus_(bus) {}
 
-  // `stream`: that of the session's images.
+  // `stream` is that of the session's images.
   void begin_session(int64_t session, int64_t stream);
-  // Earlier frames that got their poses by the present image, and those that lost theirs. Before publish(), so that
-  // who follows the states knows what the present image leaves without a pose.
+  // These two publish earlier frames again: those to which the present image gives a pose, and those that lose theirs.
+  // To be called before publish(), so that receivers know which frames stay without a pose.
   void publish_posed_afterwards(const std::vector<TrackResult>& frames);
   void publish_withdrawn(const std::vector<int64_t>& utimes_us);
   void publish(const image_t& image, const TrackResult& result, double cpu_ms);
@@ -33,8 +32,8 @@ class TrackPublisher {
   Bus& bus_;
   int64_t session_ = 0, stream_ = 0;
   int64_t sequence_ = 0;
-  Told without_pose_;  // what was said of frames that may get a pose yet
-  Told with_pose_;     // what was said of frames that may lose theirs
+  Told without_pose_;  // messages about frames that may still get a pose
+  Told with_pose_;     // messages about frames that may still lose theirs
 };
 
 }  // namespace rumi::front_tracker

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every target without libFuzzer: its seeds, these cut short and with bytes changed, and what was found to break it
-// once (fuzz/found/TARGET/). Nothing is asserted but that all of it ends: the sanitized build sees the rest.
+// Runs every target without libFuzzer: on its seeds, on seeds that are cut short or have bytes changed, and on inputs
+// that broke it once (fuzz/found/TARGET/). The tests only assert that every run ends; the sanitizers of the sanitized
+// build find the other faults.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What libFuzzer calls, for the one target that is linked with it.
+// The two functions that libFuzzer calls. They run the one target that is linked with them.
 #include "fuzz/target.h"
 
 using rumi::fuzz::Target;
@@ -13,7 +13,8 @@ const Target& the_target() { return rumi::fuzz::targets().front(); }
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  static const bool warm = (the_target().run({}), true);  // what is made once
+  // The first run makes the target's static data, which must not count as a step.
+  static const bool warm = (the_target().run({}), true);
   if (!warm) return -1;
   rumi::fuzz::limit_steps();
   the_target().run({data, size});

@@ -7,12 +7,13 @@
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_masks.h"
 #include "bus/wire/jpeg_image.h"
+#include "bus/wire/pose.h"
 
 namespace rumi::fuzz {
 namespace {
 
 constexpr int kLandmarks = 12;
-constexpr double kStep = 0.1;  // between keyframes
+constexpr double kStep = 0.1;  // sideways, between two keyframes, in the submap's unit
 constexpr int64_t kFrame_us = 100'000;
 
 cv::Mat texture(int64_t utime_us) {
@@ -27,7 +28,7 @@ Descriptor descriptor_of(int id) {
   return {random(), random(), random(), random()};
 }
 
-// What a camera at x sees of the landmarks, and which these are.
+// Returns keypoints of the landmarks that a camera at `x` sees, and appends the ids of these landmarks to `seen`.
 std::shared_ptr<Features> features_at(const Submap& map, double x, std::vector<int>* seen) {
   auto features = std::make_shared<Features>();
   for (const auto& [id, landmark] : map.landmarks) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Small messages that are right, for seeds.
+// Small valid messages, for seeds.
 #pragma once
 
 #include "bus/wire/submap_update.h"
@@ -17,13 +17,13 @@ inline constexpr int64_t kSession = 1'000'000;
 inline constexpr int kWidth = 64, kHeight = 48;
 
 Camera good_camera();
-// A texture that is another one at each time.
+// An image whose texture depends on the time.
 image_t good_image(int64_t utime_us);
 image_t good_jpeg(int64_t utime_us);
-// As many keyframes, with some landmarks that all of them see from places of their own.
+// A submap of `keyframes` keyframes, which move sideways and see some of its few landmarks.
 Submap good_submap(SubmapKey key, int keyframes);
 track_t good_track(int64_t utime_us, int8_t state, int32_t submap_id);
-// The lowest rows of the images never move.
+// A mask that leaves out the lowest 8 rows.
 mask_t good_mask(int64_t utime_us);
 map_status_t good_status(const std::vector<SubmapKey>& submaps);
 map_request_t good_request(int8_t what, SubmapKey key);
@@ -34,7 +34,7 @@ Event message(uint8_t channel, const Message& message) {
   return {channel, encode_message(message)};
 }
 inline Event pause(uint8_t exponent) { return {Event::kTime, {exponent}}; }
-// A payload as the answer to the latest request.
+// Returns an event that sends `message` as the answer to the latest request of the node.
 template <class Message>
 Event payload(int8_t kind, const Message& message) {
   Event event{Event::kPayload, {static_cast<uint8_t>(kind), 0}};

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "base/or_throw.h"
 #include "fuzz/good_messages.h"
 #include "fuzz/scratch.h"
 
@@ -27,7 +28,7 @@ Bytes good_window_file(int frames) {
     }
   }
   const std::string file = scratch() / "good.window";
-  if (const std::string error = write_window_job(file, job); !error.empty()) throw std::logic_error(error);
+  or_throw(write_window_job(file, job));
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }

@@ -6,7 +6,7 @@
 
 namespace rumi::fuzz {
 
-// As read_window_job() reads it: so many frames of each of its three parts.
+// Returns a file for read_window_job(): a window with `frames` images in each of its three parts.
 Bytes good_window_file(int frames);
 
 }  // namespace rumi::fuzz

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An lcm log as bytes, and its mutation: event by event, with headers that stay whole.
+// An lcm log as bytes, and a Mutator that changes its events and writes their headers anew, so that they stay valid.
 #pragma once
 
 #include <string>
@@ -23,7 +23,7 @@ class LogBytes {
   uint64_t number_ = 0;
 };
 
-// `prefix` bytes of the input come before the log.
+// A Mutator of inputs that consist of `prefix` bytes, which stay as they are, and a log.
 size_t mutate_log_after(size_t prefix, uint8_t* data, size_t size, size_t max_size, unsigned seed);
 template <size_t kPrefix>
 size_t mutate_log(uint8_t* data, size_t size, size_t max_size, unsigned seed) {

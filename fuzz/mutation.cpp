@@ -6,13 +6,13 @@
 #include <cmath>
 #include <limits>
 
-// libFuzzer's own; where it is not linked (fuzz_test) nobody mutates.
+// Defined by libFuzzer. fuzz_test is linked without it and never calls a mutator, so the symbol is weak.
 extern "C" size_t LLVMFuzzerMutate(uint8_t* data, size_t size, size_t max_size) __attribute__((weak));
 
 namespace rumi::fuzz {
 namespace {
 
-constexpr size_t kRoom = 64;  // that bytes may grow by at once
+constexpr size_t kRoom = 64;  // bytes by which one mutation may lengthen the input, at most
 
 template <class T>
 void put_big_endian(T value, uint8_t* at) {
@@ -20,7 +20,8 @@ void put_big_endian(T value, uint8_t* at) {
   std::reverse_copy(bytes, bytes + sizeof(T), at);
 }
 
-// Numbers at which code breaks, as LCM writes them.
+// Overwrites bytes at a random place from `begin` on with a number that often breaks code, in big endian as LCM has it.
+// Does nothing if fewer than 8 bytes follow `begin`.
 void put_number(Random& random, Bytes* bytes, size_t begin) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
   constexpr std::array<double, 12> kReals = {0,      -0.0, 1,    -1,   1e-300,    1e300,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A folder for what readers read: in memory where there is /dev/shm, or where TMPDIR says. It goes with the process.
+// A temporary folder for the files that the targets read. It is in memory if TMPDIR is not set and /dev/shm is
+// writable, and is removed when the process ends.
 #pragma once
 
 #include <fcntl.h>
@@ -32,7 +33,7 @@ class Scratch {
 
   const std::string& folder() const { return folder_; }
   std::string operator/(const std::string& name) const { return folder_ + "/" + name; }
-  // Replaces the file. Its whole name.
+  // Writes the file, or replaces it. Returns its path.
   std::string write(const std::string& name, View bytes) const {
     const std::string file = *this / name;
     const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);

@@ -11,14 +11,14 @@
 namespace rumi::fuzz {
 namespace {
 
-constexpr size_t kMostEvents = 48;  // an input is to take milliseconds
+constexpr size_t kMostEvents = 48;  // longer inputs are cut, as a run should take only milliseconds
 constexpr size_t kHeaderBytes = 3;
 constexpr int64_t kBegin_us = 1'000'000;
-constexpr int64_t kMessage_us = 20'000;  // from one message to the next
-constexpr int kLongestPause = 18;        // 2^n ms: four minutes
+constexpr int64_t kMessage_us = 20'000;  // time that passes after each message
+constexpr int kLongestPause = 18;        // a pause is 2^n ms with n below this: two minutes at most
 constexpr int kStepsToEnd = 3;
 
-// Who asks the node's channel for what, so that answers reach it.
+// Remembers the requests that the node sends to map_server, so that payloads can answer them.
 class Requests {
  public:
   explicit Requests(MemoryBus& bus) {

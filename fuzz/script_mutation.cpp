@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Plain mutations only bounce off an LCM fingerprint or off the length of an event; these keep both.
+// Plain mutations mostly break an LCM fingerprint or the length of an event, and the input is refused at once. These
+// mutations keep both.
 #include <algorithm>
 
 #include "fuzz/mutation.h"

@@ -38,7 +38,7 @@ void end_step() {
 }
 
 Registered::Registered(Target target) {
-  spdlog::set_level(spdlog::level::off);  // a line for each broken message is what makes it slow
+  spdlog::set_level(spdlog::level::off);  // logging each broken message would slow fuzzing down
   registered().push_back(std::move(target));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// write_seeds FOLDER: the seeds of every target, as files FOLDER/TARGET/seed-NN, for libFuzzer to begin with.
+// write_seeds FOLDER: writes the seeds of every target to files FOLDER/TARGET/seed-N, from which libFuzzer starts.
 #include <filesystem>
 #include <fstream>
 #include <iostream>

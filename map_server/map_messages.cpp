@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cstring>
 
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
 
 namespace rumi::map_server {
 namespace {
 
-// stableNorm: who asks may name any numbers.
+// Uses stableNorm because a requester may send any number.
 bool is_within(const Eigen::Vector3d& position, const map_region_t& region) {
   return (position - Eigen::Vector3d(region.center)).stableNorm() <= region.radius;
 }

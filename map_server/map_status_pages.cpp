@@ -5,13 +5,13 @@
 #include <tuple>
 #include <vector>
 
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
 
 namespace rumi::map_server {
 namespace {
 
-constexpr int64_t kPageBytes = 60'000;  // one LCM datagram
-constexpr size_t kMaxDoubtBytes = 200;  // a link must not fill a page
+constexpr int64_t kPageBytes = 60'000;  // so that a page fits one LCM datagram
+constexpr size_t kMaxDoubtBytes = 200;  // a doubt is cut off there, so that one link cannot fill a page
 
 submap_summary_t summarize(const AtlasSubmap& owner) {
   const Submap& s = owner.submap;
@@ -98,8 +98,8 @@ bool MapStatusPages::has_changed(const AtlasSubmap& owner, const Told& told) con
 }
 
 std::set<SubmapKey> MapStatusPages::choose_submaps(const Atlas& atlas, size_t most) const {
-  std::vector<std::tuple<int64_t, SubmapKey, bool>>
-      by_age;  // the page that it was on, and whether it has changed since
+  // The page on which the submap was last, the submap, and whether it has changed since.
+  std::vector<std::tuple<int64_t, SubmapKey, bool>> by_age;
   for (const auto& [key, owner] : atlas.submaps()) {
     const auto known = told_.find(key);
     const Told told = known == told_.end() ? Told() : known->second;
@@ -109,7 +109,7 @@ std::set<SubmapKey> MapStatusPages::choose_submaps(const Atlas& atlas, size_t mo
   std::set<SubmapKey> chosen;
   for (const auto& [page, key, changed] : by_age)
     if (changed && chosen.size() < most / 2) chosen.insert(key);
-  // The others have their share whatever changes, so that who came late learns of all.
+  // At least half of the page goes to the submaps that were told longest ago, so that a late listener learns of all.
   for (const auto& [page, key, changed] : by_age)
     if (chosen.size() < most) chosen.insert(key);
   return chosen;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// RUMI_MAP_STATUS of a map of any size: counts, and as many of its submaps and links as fit one datagram.
+// Makes RUMI_MAP_STATUS for a map of any size, in pages: each page has the counts, and as many submaps and links as fit
+// one datagram.
 #pragma once
 
 #include <map>
@@ -12,12 +13,12 @@ namespace rumi::map_server {
 
 class MapStatusPages {
  public:
-  // The next page, without database_bytes, merging and localized_after_s, which the atlas does not know. What fits one
-  // page is on it, the whole of it. Else half of the submaps are such as changed since they were last told, if there
-  // are any, and all are told in turn, as are the links.
+  // Returns the next page, without database_bytes, merging and localized_after_s, which the atlas does not know. If
+  // everything fits one page, the page is complete. Otherwise up to half of its submaps are ones that have changed
+  // since they were last on a page; the other submaps, and the links, take turns.
   map_status_t next(const Atlas& atlas, int64_t utime_us);
 
-  // All is to be told from here on, with as many pages as that takes.
+  // Begins a round: the pages that follow contain everything at least once, however many pages that takes.
   void begin_round();
   bool round_goes_on() const { return round_goes_on_; }
 
@@ -33,8 +34,8 @@ class MapStatusPages {
   bool all_is_told(const Atlas& atlas) const;
 
   std::map<SubmapKey, Told> told_;
-  int64_t page_ = 0;         // the latest
-  int64_t round_begin_ = 0;  // the latest when the round began
+  int64_t page_ = 0;         // number of the latest page
+  int64_t round_begin_ = 0;  // number of the latest page when the round began
   size_t next_link_ = 0;
   bool round_goes_on_ = false, links_are_told_ = false;
 };

@@ -14,8 +14,8 @@ bool MaskIntake::take(const mask_t& message, Atlas* atlas) {
                  .png = {message.png.begin(), message.png.end()}};
   const auto known = atlas->masks().find(message.stream);
   if (known != atlas->masks().end() && known->second.is_same(mask)) return false;
-  if (const std::string problem = check(message.stream, mask); !problem.empty()) {
-    if (++rejected_ == 1) log_warning("a mask is rejected: {} (further ones are only counted)", problem);
+  if (const Result<> checked = check(message.stream, mask); !checked) {
+    if (++rejected_ == 1) log_warning("a mask is rejected: {} (further ones are only counted)", checked.error().text());
     return false;
   }
   return atlas->record_mask(message.stream, std::move(mask));

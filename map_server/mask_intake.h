@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// RUMI_MASK: what front_tracker says that never moves in a camera's images. Messages that make no sense are counted;
-// the first is said in the log.
+// Takes RUMI_MASK messages: the part of a camera's images that never moves, as front_tracker has learned it. Counts
+// malformed messages, and logs the first.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace rumi::map_server {
 
 class MaskIntake {
  public:
-  // True if the atlas has learned something.
+  // Returns true if the mask is new to the atlas.
   bool take(const mask_t& message, Atlas* atlas);
   int64_t rejected() const { return rejected_; }
 

@@ -10,9 +10,9 @@ namespace rumi::map_server {
 
 struct MapServerOptions {
   MergeOptions merge;
-  std::string database = "map.db";  // file, or ":memory:"
-  bool localize_only = false;       // in the map of the database, which stays as it is
-  double snapshot_s = 0;            // 0: never
+  std::string database = "map.db";  // the map's file, or ":memory:"
+  bool localize_only = false;       // localize in the database's map, which is not changed
+  double snapshot_s = 0;            // period of the copies, s; 0: none
   std::string snapshot_file = "map-snapshot.db";
 };
 

@@ -8,14 +8,13 @@
 
 namespace rumi::ruminator {
 
-// The builder of everything but tests: build_back_submap with these options.
+// Calls build_back_submap() with the options of colmap_builder(). Tests use other builders.
 struct ColmapBuilder {
   Builder builder;
-  std::function<std::string()> problem;  // with COLMAP, for a person; empty while none is known
+  std::function<std::string()> problem;  // returns the fault of COLMAP, for users; empty while none is known
 };
 
-// COLMAP is asked at once, in a thread beside, whether it is there and works, so that this is known before it is
-// wanted.
+// Starts to ask COLMAP in a thread whether it works, so that the answer is known before the first window.
 ColmapBuilder colmap_builder(const BuildOptions& options);
 
 }  // namespace rumi::ruminator

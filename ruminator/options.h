@@ -11,7 +11,7 @@ namespace rumi::ruminator {
 
 struct RuminatorOptions : RebuildQueueOptions {
   WindowOptions window;
-  std::string camera_file;  // overrides the calibration that comes with the images
+  std::string camera_file;  // calibration to use in place of the images'; empty: none
 };
 
 inline void describe(OptionTable& table, RuminatorOptions& o) {

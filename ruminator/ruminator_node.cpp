@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <opencv2/core/utility.hpp>
-#include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "base/running/due.h"
 #include "base/running/log.h"
@@ -14,19 +14,35 @@
 #include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
+#include "bus/wire/tracking_state.h"
 #include "ruminator/window/window_message.h"
 
 namespace rumi::ruminator {
 namespace {
 
 constexpr int64_t kAnnouncePeriodUs = 1'000'000;
-constexpr int64_t kMatchWaitUs = 500'000;  // that the state of a frame waits for its image
-constexpr size_t kMaxPending = 256;        // states that wait so
-constexpr int kMaxUnsettled = 128;         // images that wait for their states: front_tracker may be down
-constexpr int kJpegQuality = 95;           // of kept images that came uncompressed
+constexpr int64_t kMatchWaitUs = 500'000;  // how long the tracking state of a frame waits for its image
+constexpr size_t kMaxPending = 256;        // most states that wait for their images
+constexpr int kMaxUnsettled = 128;         // most images that wait for their states: front_tracker may be down
+constexpr int kJpegQuality = 95;           // JPEG quality of kept images that came uncompressed
 
 ImageId image_of(const track_t& track) { return {track.utime, track.stream}; }
+
+// Returns the calibration in the images' metadata; an Error if there is none, or more than one.
+Result<Camera> camera_of(const std::vector<image_t>& images) {
+  const std::string text(metadata(images.front(), kCalibrationKey));
+  if (text.empty()) return Error{"its images carry no calibration: name the camera's with ruminator.camera_file"};
+  const auto is_foreign = [&](const image_t& image) {
+    const std::string_view own = metadata(image, kCalibrationKey);
+    return !own.empty() && own != text;
+  };
+  if (std::any_of(images.begin(), images.end(), is_foreign))
+    return Error{"its images are of more than one camera, by the calibrations that they carry"};
+  const Result<Calibration> parsed = parse_calibration(text, "calibration of the image");
+  if (!parsed) return parsed.error();
+  return parsed->camera;
+}
 
 }  // namespace
 
@@ -39,7 +55,7 @@ RuminatorNode::RuminatorNode(Bus& bus, const RuminatorOptions& options, Ruminato
       sampler_(options.window),
       ring_(options.ring_mb * kBytesPerMb, kJpegQuality),
       queue_(bus, options, hooks_.builder, hooks_.on_built) {
-  cv::setNumThreads(1);  // the images are small; more would take front_tracker's core
+  cv::setNumThreads(1);  // the images are small; more threads would take CPU time from front_tracker
   bus.subscribe<image_t>(channels::kCamera, {.capacity = 64, .drop = DropPolicy::kDropOldest},
                          [this](const image_t& image) { on_image(image); });
   bus.subscribe<track_t>(channels::kTrack, {.capacity = 256, .drop = DropPolicy::kDropOldest},
@@ -59,7 +75,7 @@ void RuminatorNode::on_image(const image_t& image) {
 void RuminatorNode::on_track(const track_t& track) {
   const StageClock clock("ruminator.sample");
   const bool has_bad_pose = track.submap_id != kNoSubmap && !from_wire(track.cam_from_submap);
-  if (track.state < track_t::NOT_INITIALIZED || track.state > track_t::LOST || has_bad_pose) {
+  if (!state_from_wire(track.state) || has_bad_pose) {
     ++rejected_;
     return;
   }
@@ -70,8 +86,8 @@ void RuminatorNode::on_track(const track_t& track) {
 
 void RuminatorNode::on_mask(const mask_t& mask) { rejected_ += masks_.take(mask) ? 0 : 1; }
 
-// A frame's image and its state may come in either order, and either may be lost. States are followed in their order;
-// one whose image is missing waits a while, unless it was there before: a pose given afterwards.
+// Processes the states in their order. A frame's image and its state may arrive in either order, and either may be
+// lost. So a state without its image waits a while, unless the frame was processed before: then it brings a late pose.
 void RuminatorNode::process_pending(int64_t now_us, bool all) {
   while (!pending_.empty()) {
     const PendingTrack& next = pending_.front();
@@ -109,8 +125,8 @@ void RuminatorNode::process(const track_t& track) {
   if (frame.has_image && sampler_.wants_measure(frame)) frame.image = motion_.measure(*ring_.find(image_of(track)));
   const auto phase = [this] { return std::pair(sampler_.open() ? sampler_.open()->id : 0, sampler_.phase()); };
   const auto before = phase();
-  std::optional<RuminationWindow> ended = sampler_.process(frame);
-  if (ended) hand_on(std::move(*ended));
+  const std::optional<RuminationWindow> ended = sampler_.process(frame);
+  if (ended) hand_on(*ended);
   if (sampler_.is_settled() && phase() != before) announce(*sampler_.open(), window_t::COLLECTING);
   stream_ = track.stream;
   settle(track.utime);
@@ -125,7 +141,7 @@ void RuminatorNode::settle(int64_t utime_us) {
   ring_.settle({utime_us, stream_}, [this](const ImageId& image) { return is_needed(image); });
 }
 
-// What waits for its state goes last: the open window gets thinner.
+// Thins the gap of the open window before images that still wait for their states have to be dropped.
 void RuminatorNode::make_room(const image_t& image) {
   while (!ring_.fits(image) && sampler_.thin_gap()) {
     retained_ = sampler_.retained();
@@ -133,39 +149,27 @@ void RuminatorNode::make_room(const image_t& image) {
   }
 }
 
-// What is wrong, or an empty string.
-std::string RuminatorNode::make_job(RuminationWindow window, WindowJob* job) const {
-  job->window = std::move(window);
-  for (const Sample& sample : job->window.samples())
-    if (const image_t* image = ring_.find({sample.utime_us, job->window.stream})) job->images.push_back(*image);
-  if (job->images.empty()) return "no image of it was kept";
-  masks_.put_on(&job->images, job->window.stream);
-  if (given_camera_) {
-    job->camera = *given_camera_;
-  } else {
-    const std::string text = metadata(job->images.front(), kCalibrationKey);
-    if (text.empty()) return "its images carry no calibration: name the camera's with ruminator.camera_file";
-    const auto is_foreign = [&](const image_t& image) {
-      const std::string own = metadata(image, kCalibrationKey);
-      return !own.empty() && own != text;
-    };
-    if (std::any_of(job->images.begin(), job->images.end(), is_foreign))
-      return "its images are of more than one camera, by the calibrations that they carry";
-    const Calibration parsed = parse_calibration(text, "calibration of the image");
-    if (!parsed.ok()) return parsed.error;
-    job->camera = parsed.camera;
-  }
-  return check_window_job(*job);
+Result<WindowJob> RuminatorNode::make_job(const RuminationWindow& window) const {
+  WindowJob job;
+  job.window = window;
+  for (const Sample& sample : window.samples())
+    if (const image_t* image = ring_.find({sample.utime_us, window.stream})) job.images.push_back(*image);
+  if (job.images.empty()) return Error{"no image of it was kept"};
+  masks_.put_on(&job.images, window.stream);
+  const Result<Camera> camera = given_camera_ ? Result<Camera>(*given_camera_) : camera_of(job.images);
+  if (!camera) return camera.error();
+  job.camera = *camera;
+  if (const Result<> checked = check_window_job(job); !checked) return checked.error();
+  return job;
 }
 
-void RuminatorNode::hand_on(RuminationWindow window) {
-  WindowJob job;
-  if (const std::string problem = make_job(std::move(window), &job); !problem.empty())
-    return queue_.refuse(job.window, problem);
-  if (hooks_.on_job) hooks_.on_job(job);
-  if (options_.rebuild) return queue_.add(std::move(job));
-  log_info("window {}: {}, not rebuilt: ruminator.rebuild is off", job.window.id, describe(job.window));
-  announce(job.window, window_t::QUEUED);
+void RuminatorNode::hand_on(const RuminationWindow& window) {
+  Result<WindowJob> job = make_job(window);
+  if (!job) return queue_.refuse(window, job.error_text());
+  if (hooks_.on_job) hooks_.on_job(*job);
+  if (options_.rebuild) return queue_.add(std::move(*job));
+  log_info("window {}: {}, not rebuilt: ruminator.rebuild is off", window.id, describe(window));
+  announce(window, window_t::QUEUED);
 }
 
 void RuminatorNode::announce(const RuminationWindow& window, int8_t state) {
@@ -184,8 +188,8 @@ void RuminatorNode::tick(int64_t now_us) {
 void RuminatorNode::end_window() {
   process_pending(bus_.now_us(), true);
   const bool was_lost = sampler_.phase() == WindowSampler::Phase::kGap;
-  if (auto ended = sampler_.finish(was_lost ? "the input ended while tracking was lost" : "the input ended"))
-    hand_on(std::move(*ended));
+  if (const auto ended = sampler_.finish(was_lost ? "the input ended while tracking was lost" : "the input ended"))
+    hand_on(*ended);
   settle(last_utime_us_);
 }
 
@@ -194,7 +198,7 @@ void RuminatorNode::finish() {
   queue_.finish();
 }
 
-// The open window is worth rebuilding at the next start.
+// Ends the open window too, so that the next start can rebuild it.
 void RuminatorNode::stop() {
   end_window();
   queue_.stop();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Follows the tracking state, keeps the images around every loss, and has its window rebuilt and sent to map_server.
+// Follows the tracking state, keeps the images around each loss, has the windows rebuilt, and sends the back submaps to
+// map_server.
 #pragma once
 
 #include <deque>
@@ -25,9 +26,9 @@
 namespace rumi::ruminator {
 
 struct RuminatorHooks {
-  Builder builder;                               // required with options.rebuild
-  std::function<std::string()> builder_problem;  // what the builder does without, for a person; may be empty
-  std::function<void(const WindowJob&)> on_job;  // every window, as it is complete
+  Builder builder;                               // required if options.rebuild is set
+  std::function<std::string()> builder_problem;  // returns the builder's fault (of COLMAP), for users; may be null
+  std::function<void(const WindowJob&)> on_job;  // called with each complete window; may be null
   RebuildQueue::BuiltHandler on_built;
 
   void use(const ColmapBuilder& colmap) {
@@ -38,7 +39,7 @@ struct RuminatorHooks {
 
 class RuminatorNode : public Node {
  public:
-  // The calibration comes with the images unless `camera` is given.
+  // If `camera` is not given, uses the calibration that comes with the images.
   RuminatorNode(Bus& bus, const RuminatorOptions& options, RuminatorHooks hooks,
                 const std::optional<Camera>& camera = std::nullopt);
 
@@ -66,8 +67,8 @@ class RuminatorNode : public Node {
   void settle(int64_t utime_us);
   void make_room(const image_t& image);
   void end_window();
-  void hand_on(RuminationWindow window);
-  std::string make_job(RuminationWindow window, WindowJob* job) const;
+  void hand_on(const RuminationWindow& window);
+  Result<WindowJob> make_job(const RuminationWindow& window) const;
   void announce(const RuminationWindow& window, int8_t state);
 
   Bus& bus_;
@@ -79,13 +80,13 @@ class RuminatorNode : public Node {
   FrameRing ring_;
   ImageMotion motion_;
   LearnedMasks masks_;
-  std::deque<PendingTrack> pending_;  // in order of arrival
+  std::deque<PendingTrack> pending_;  // states that wait for their images, in order of arrival
   std::set<int64_t> retained_;        // sampler_.retained() after the last frame
   int64_t last_announced_us_ = 0;
   int64_t last_utime_us_ = 0;
   int64_t without_image_ = 0;
   int64_t rejected_ = 0;
-  int64_t session_ = 0, stream_ = 0;  // of the last state
+  int64_t session_ = 0, stream_ = 0;  // of the last tracking state
   RebuildQueue queue_;
 };
 

@@ -39,6 +39,6 @@ else
 fi
 # clang cannot read GCC's precompiled headers; without them it also sees which includes were forgotten.
 mkdir -p "$build/lint"
-sed 's| -Winvalid-pch -include [^ ]*cmake_pch.hxx||' "$build/compile_commands.json" >"$build/lint/compile_commands.json"
+sed "s| -Winvalid-pch -include [^ ]*cmake_pch.hxx| -include $PWD/base/eigen_assert.h|" "$build/compile_commands.json" >"$build/lint/compile_commands.json"
 echo "clang-tidy of $(echo "$files" | wc -l) files"
 echo "$files" | xargs -P "$(nproc)" -n 1 clang-tidy --quiet --warnings-as-errors='*' -p "$build/lint" "$@"

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <fstream>
 #include <sstream>
-#include <stdexcept>
 
 #include "synth/handheld.h"
 
@@ -28,30 +27,30 @@ bool parse_pose(const std::string& line, double* time_s, SE3* pose) {
 
 }  // namespace
 
-CameraPath CameraPath::load(const std::string& file) {
+Result<CameraPath> CameraPath::load(const std::string& file) {
   std::ifstream in(file);
-  if (!in) throw std::runtime_error(fmt::format("{}: cannot be opened; give a TUM trajectory file", file));
+  if (!in) return Error{"cannot be opened", file, "give a TUM trajectory file"};
   CameraPath path;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#') continue;
     double time_s = 0;
     SE3 pose;
+    const auto where = [&] { return fmt::format("{}:{}", file, number); };
     if (!parse_pose(line, &time_s, &pose))
-      throw std::runtime_error(
-          fmt::format("{}:{}: '{}' is not a pose; expected: t tx ty tz qx qy qz qw", file, number, line.substr(0, 80)));
+      return Error{fmt::format("'{}' is not a pose", line.substr(0, 80)), where(), "expected: t tx ty tz qx qy qz qw"};
     if (!path.times_s_.empty() && time_s <= path.times_s_.back())
-      throw std::runtime_error(fmt::format("{}:{}: time {} does not rise; sort the file", file, number, time_s));
+      return Error{fmt::format("time {} does not rise", time_s), where(), "sort the file"};
     path.times_s_.push_back(time_s);
     path.poses_.push_back(pose);
   }
-  if (path.poses_.size() < 2) throw std::runtime_error(fmt::format("{}: fewer than two poses", file));
+  if (path.poses_.size() < 2) return Error{"fewer than two poses", file};
   return path;
 }
 
 CameraPath CameraPath::walk(double seconds, uint64_t seed) {
   constexpr double kLoopSeconds = 22, kSampleHz = 100;
-  constexpr double kWalkStart_s = 1000;  // some clock: a time of 0 often means "none"
+  constexpr double kWalkStart_s = 1000;  // not 0, because a time of 0 often means that there is no time
   const double loops = seconds >= 16 ? std::max(1.0, std::round(seconds / kLoopSeconds)) : seconds / kLoopSeconds;
   const double base_hz = loops / seconds;
   cv::RNG rng(seed * 7919 + 17);
@@ -64,7 +63,8 @@ CameraPath CameraPath::walk(double seconds, uint64_t seed) {
   for (int i = 0; i < samples; ++i) {
     const double t = i / kSampleHz;
     const double angle = 2 * M_PI * base_hz * t;
-    // At its ends the walk keeps to its loop and looks straight outwards: it begins with pure sideways motion.
+    // At both ends the walk keeps to its loop and the camera looks straight outwards, so that the walk begins with pure
+    // sideways motion.
     const double free = std::min(1.0, 4 * std::pow(std::sin(M_PI * t / seconds), 2));
     const double r = 1.25 + 0.25 * free * radius.at(t);
     const Eigen::Vector3d position(r * std::cos(angle) + 0.008 * shake_x.at(t),
@@ -89,7 +89,7 @@ SE3 CameraPath::at(double time_s) const {
   const size_t i = std::upper_bound(times_s_.begin(), times_s_.end(), time_s) - times_s_.begin() - 1;
   const double step = times_s_[i + 1] - times_s_[i];
   const double u = (time_s - times_s_[i]) / step;
-  // Cubic Hermite between the samples: a camera has mass, its velocity does not jump from sample to sample.
+  // Cubic Hermite interpolation: a camera has mass, so its velocity must not jump from sample to sample.
   const auto velocity = [&](size_t k) -> Eigen::Vector3d {
     const size_t a = k > 0 ? k - 1 : k, b = std::min(k + 1, times_s_.size() - 1);
     return (poses_[b].translation - poses_[a].translation) / (times_s_[b] - times_s_[a]);
@@ -106,8 +106,8 @@ Eigen::Vector3d CameraPath::up() const {
   for (const SE3& pose : poses_) sum -= pose.rotation * Eigen::Vector3d::UnitY();
   if (sum.norm() < 1e-6 * static_cast<double>(poses_.size())) return Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d mean = sum.normalized();
-  // A camera that looks down to one side all the time tilts the mean. Trajectories nearly always have gravity along an
-  // axis of their map, so an axis within 30 degrees is believed rather than the mean.
+  // A camera that always looks down to one side tilts the mean. Trajectories nearly always have gravity along an axis
+  // of their map, so an axis within 30 degrees of the mean is returned instead.
   int axis = 0;
   mean.cwiseAbs().maxCoeff(&axis);
   if (std::abs(mean[axis]) < std::cos(30 * M_PI / 180)) return mean;

@@ -20,7 +20,7 @@ void add_legs(MeshBuilder& b, const SE3& frame, double width, double depth, doub
       b.box(frame, {x * (width - 1.5 * t), t + y * (depth - 2 * t), height / 2}, {t, t, height}, wood);
 }
 
-// Books side by side from x0 to x1 on a board at height z, with gaps, leaning stacks and other things.
+// Fills a board at height z with books side by side from x0 to x1, with gaps, boxes, lying books and other things.
 void fill_shelf(MeshBuilder& b, const SE3& frame, double x0, double x1, double depth, double z, double room_above) {
   double x = x0;
   while (x < x1 - 0.03) {
@@ -31,7 +31,7 @@ void fill_shelf(MeshBuilder& b, const SE3& frame, double x0, double x1, double d
       const double w = std::min(b.uniform(0.12, 0.26), x1 - x), h = room_above * b.uniform(0.4, 0.85);
       b.box(frame, {x + w / 2, depth * 0.52, z + h / 2}, {w * 0.95, depth * 0.8, h}, b.look(Material::kCardboard));
       x += w;
-    } else if (choice < 0.24 && x1 - x > 0.26) {  // books lying
+    } else if (choice < 0.24 && x1 - x > 0.26) {  // lying books
       double top = z;
       for (int k = b.rng.uniform(2, 6); k > 0 && top < z + room_above - 0.06; --k) {
         const double h = b.uniform(0.015, 0.045);
@@ -68,7 +68,7 @@ void monitor(MeshBuilder& b, const SE3& frame, const Vector3d& at, double height
          b.look(Material::kScreen));
 }
 
-// What gathers on a flat top between x0..x1, y0..y1 at height z, at most `limit` high.
+// Puts papers and boxes on a flat top of `width` by `depth` at height z. They are at most `limit` high.
 void clutter(MeshBuilder& b, const SE3& frame, double width, double depth, double z, double limit) {
   for (int k = static_cast<int>(8 * width * depth) + 3; k > 0; --k) {  // papers
     const SE3 f = turned(frame, {b.uniform(-0.4, 0.4) * width, b.uniform(0.2, 0.8) * depth, z + 0.002 + 0.0007 * k},

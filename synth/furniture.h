@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Things that stand in a room. Each is built in a local frame: origin on the floor in the middle of its back, x along
-// its width, y from the back to the front, z up. Sizes in metres.
+// Furniture of a room. Each piece is built in a local frame: origin on the floor in the middle of its back, x along its
+// width, y from back to front, z up. Sizes are in metres.
 #pragma once
 
 #include "synth/mesh.h"
@@ -8,7 +8,7 @@
 namespace rumi::synth {
 
 void add_bookcase(MeshBuilder& b, const SE3& room_from_local, double width, double depth, double height);
-// Legs, top, and on it whatever gathers on tables; `clutter_height` limits it.
+// A table and a cabinet have clutter on top, which is at most `clutter_height` high.
 void add_table(MeshBuilder& b, const SE3& room_from_local, double width, double depth, double height,
                double clutter_height);
 void add_cabinet(MeshBuilder& b, const SE3& room_from_local, double width, double depth, double height,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a camera moves that somebody holds in the hand. z is up.
+// The motion of a hand-held camera. z is up.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,18 +10,18 @@
 
 namespace rumi::synth {
 
-// Sum of a few sines with random phases: repeatable, smooth, never the same twice.
+// A sum of a few sines with random phases: smooth, and repeatable with the same seed.
 class Wobble {
  public:
   Wobble(cv::RNG& rng, std::vector<double> frequencies_hz);
-  // Within [-1, 1].
+  // Returns a value in [-1, 1].
   double at(double t) const;
 
  private:
   std::vector<double> frequencies_hz_, phases_;
 };
 
-// map_from_cam of a camera at `position` that looks along yaw (about z, up) and pitch (upwards).
+// Returns map_from_cam of a camera at `position` that looks along yaw (about z, which is up) and pitch (upwards).
 SE3 look(const Eigen::Vector3d& position, double yaw_rad, double pitch_rad, double roll_rad);
 
 }  // namespace rumi::synth

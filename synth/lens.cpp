@@ -11,7 +11,7 @@
 namespace rumi::synth {
 namespace {
 
-constexpr double kSupersampling = 1.15;  // of a picture that is resampled by the lens
+constexpr double kSupersampling = 1.15;  // the pinhole picture is finer by this factor, because the lens resamples it
 constexpr int kStock = 1 << 20;
 
 }  // namespace

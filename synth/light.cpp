@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Light baked into the vertices: lamps with shadows, ambient light with occlusion. The camera moves, the light does
-// not.
+// Computes the light of every vertex once, because only the camera moves: lamps with shadows, and ambient light with
+// occlusion.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core/utility.hpp>
@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kReach_m = 0.8;    // ambient occlusion looks this far
-constexpr double kLampReach_m = 9;  // beyond it a lamp does not matter
+constexpr double kReach_m = 0.8;    // distance within which things block ambient light
+constexpr double kLampReach_m = 9;  // a lamp that is farther away gives no light
 
 struct Lamp {
   Vector3d at;
@@ -32,7 +32,7 @@ void place_lamps(const Box& room, std::vector<Lamp>* lamps) {
     }
 }
 
-// Distance along the unit ray to the box, or a large number.
+// Returns the distance along the unit ray to the box; 1e9 if it misses the box.
 double hit(const OccluderBox& box, const Vector3d& from, const Vector3d& direction) {
   const Vector3d o = box.box_from_room * from, d = box.box_from_room.rotation * direction;
   double enter = 0, leave = 1e9;
@@ -52,7 +52,7 @@ class Baker {
  public:
   Baker(Mesh& mesh, const RoomShape& shape) : mesh_(mesh), shape_(shape) {
     for (const Box& room : shape.rooms()) place_lamps(room, &lamps_);
-    for (int k = 0; k < 14; ++k) {  // evenly spread over the half sphere, denser around its pole (cosine law)
+    for (int k = 0; k < 14; ++k) {  // rays over the half sphere, denser around its pole (cosine law)
       const double u = (k + 0.5) / 14, angle = k * 2.399963;
       rays_.emplace_back(std::sqrt(u) * std::cos(angle), std::sqrt(u) * std::sin(angle), std::sqrt(1 - u));
     }
@@ -93,7 +93,7 @@ class Baker {
   }
 
  private:
-  // Those that could throw the lamp's shadow on the part; none if the lamp is too far to matter.
+  // Returns the boxes that could throw the lamp's shadow on the part; empty also if the lamp is too far away.
   std::vector<const OccluderBox*> boxes_between(const Part& part, const Lamp& lamp) const {
     std::vector<const OccluderBox*> boxes;
     if ((lamp.at - lamp.at.cwiseMax(part.low).cwiseMin(part.high)).norm() > kLampReach_m) return boxes;
@@ -113,14 +113,15 @@ class Baker {
                         [&](const OccluderBox* box) { return hit(*box, at, to / distance) < distance; });
   }
 
-  // Share of the sky (half sphere) that is not blocked nearby, 0..1.
+  // Returns how open the half sphere above a point is: 1 if nothing is within kReach_m, 0.25 if everything is at the
+  // point.
   double openness(const Vector3d& at, const Vector3d& normal, const std::vector<const OccluderBox*>& near) const {
     const Eigen::Quaterniond tilt = shortest_turn(Vector3d::UnitZ(), normal);
     double open = 0;
     for (const Vector3d& ray : rays_) {
       const Vector3d direction = tilt * ray;
       double distance = kReach_m;
-      for (int axis = 0; axis < 3; ++axis) {  // the room's own walls
+      for (int axis = 0; axis < 3; ++axis) {  // the walls of the building, too
         const double wall = direction[axis] > 0 ? shape_.high[axis] - at[axis] : at[axis] - shape_.low[axis];
         distance = std::min(distance, std::max(0.0, wall) / std::max(1e-9, std::abs(direction[axis])));
       }

@@ -89,7 +89,7 @@ void MeshBuilder::leaf(const SE3& room_from_local, const Eigen::Vector3d& base, 
   struct Corner {
     double a, b;
   };
-  // A pointed, slightly drooping outline; the texture's middle row is the vein.
+  // The outline is pointed and droops slightly. The vein is in the middle row of the texture.
   static constexpr Corner kOutline[] = {{0, 0}, {0.3, 0.5}, {0.65, 0.42}, {1, 0}, {0.65, -0.42}, {0.3, -0.5}};
   const Eigen::Vector3d normal = (room_from_local.rotation * along.cross(across)).normalized();
   for (const double side : {1.0, -1.0}) {

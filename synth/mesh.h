@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The room as triangles, built from painted quads and boxes. Room axes: z up, metres.
+// The room as triangles, which are built from painted quads and boxes. Room axes: z up, metres.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,19 +14,19 @@ namespace rumi::synth {
 
 struct Vertex {
   float position[3];
-  float uv[2];  // 0..1 in the atlas layer
+  float uv[2];  // 0..1 in a layer of the atlas
   float layer;
-  float light;  // brightness, baked
+  float light;  // brightness, see bake_light()
   uint8_t dark[4], bright[4], accent[4];
 };
 
-// A run of triangles that is shown or skipped as a whole.
+// A range of triangles that is drawn or skipped as a whole.
 struct Part {
   uint32_t first_index = 0, indices = 0;
   uint32_t first_vertex = 0, vertices = 0;
-  Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  // bounds
-  bool detailed_light = false;  // large: shadows per vertex; small things get one shadow value
-  float glow = 0;               // > 0: shines by itself with this brightness
+  Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  // bounding box
+  bool detailed_light = false;  // shadows per vertex; otherwise one shadow value per lamp
+  float glow = 0;               // > 0: the part shines by itself with this brightness
 };
 
 struct OccluderBox {
@@ -54,16 +54,16 @@ class MeshBuilder {
   MeshBuilder(uint64_t seed, double px_per_m) : rng(seed * 1000003 + 11), px_per_m_(px_per_m) {}
 
   Look look(Material material) { return {material, random_palette(material, rng), px_per_m_}; }
-  // Everything added between begin_part and the next one is one part.
+  // Begins a part. Everything that is added until the next begin_part() belongs to it.
   void begin_part(bool detailed_light = false, float glow = 0);
-  // Seen from its front: `corner` is its upper left, u leads right, v down (metres). Split into cells of cell_m for
-  // light.
+  // `corner` is the upper left corner as seen from the front, `u` leads right and `v` down (metres). The quad is split
+  // into cells of at most cell_m, so that the light can vary within it.
   void quad(const SE3& room_from_local, const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
             const Eigen::Vector3d& v, const Look& look, double cell_m = 0.25);
-  // Upright box around `center`; its underside is not drawn.
+  // Adds an upright box around `center`. Its underside is drawn only if `underside` is true.
   void box(const SE3& room_from_local, const Eigen::Vector3d& center, const Eigen::Vector3d& size, const Look& look,
            bool underside = false);
-  // A leaf from `base` along `along` with its width `across`, both sides.
+  // Adds a leaf from `base` along `along`, as wide as `across`, which is visible from both sides.
   void leaf(const SE3& room_from_local, const Eigen::Vector3d& base, const Eigen::Vector3d& along,
             const Eigen::Vector3d& across, const TextureAtlas::Patch& patch, const Palette& palette);
   TextureAtlas::Patch paint_patch(const Look& look, double width_m, double height_m);

@@ -11,43 +11,44 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kStart_s = 1000;  // some clock: a time of 0 often means "none"
+constexpr double kStart_s = 1000;  // not 0, because a time of 0 often means that there is no time
 constexpr double kSampleHz = 100;
-// On the floor the walk is an S: an arc around the middle of the one room, a straight line through the doorway that
-// touches it, an arc around the middle of the other room. A straight line is at either end too: a walk begins with pure
-// sideways motion, which is what a front can begin with.
-constexpr double kMiddle_m = 2.3;  // of a room, from the doorway
+// On the floor the walk is an S: an arc around the middle of one room, a straight line through the doorway that is
+// tangent to both arcs, and an arc around the middle of the other room. Both ends are straight lines, so that the walk
+// begins with pure sideways motion, from which front_tracker can begin a submap.
+constexpr double kMiddle_m = 2.3;  // from the doorway to the middle of a room
 constexpr double kRadius_m = 1.2;
 constexpr double kArc_rad = 190 * M_PI / 180;
 constexpr double kEnd_m = 0.8;
-constexpr double kPassage_s = 2.6;  // out of focus and dark, in the middle of the walk
-constexpr double kTurn_s = 1.6;     // of it, in which the camera turns
-constexpr double kHurry_m = 1.4;    // so much farther the camera comes in it than at its usual pace
-// Too little for the front to go on, and enough for SIFT: 4 pixels out of focus at 640 pixels of width, and a bit
-// more than half of the light.
+constexpr double kPassage_s = 2.6;  // how long the camera is out of focus and in the dark, in the middle of the walk
+constexpr double kTurn_s = 1.6;     // how long the camera turns within the passage
+constexpr double kHurry_m = 1.4;    // extra way in the passage, compared with the usual pace
+// These values make front_tracker lose the camera, but SIFT still matches: 4 pixels out of focus at 640 pixels of
+// width, and a bit more than half of the light.
 constexpr double kBlur = 0.8, kDarkness = 0.4;
-// Else it looks straight away from the middle of the room. Before the turn it looks a bit ahead and after it more, for
-// nobody turns by 180 degrees to walk on.
+// The camera looks straight away from the middle of its room. At the doorway this direction differs by 180 degrees
+// between the rooms, so a person looks ahead, which makes the turn smaller: by up to kAhead_rad in the last kAhead_s
+// before the passage, and by kAheadAfter_rad after it, which takes kAheadAfter_s to vanish.
 constexpr double kAhead_rad = 13 * M_PI / 180, kAheadAfter_rad = 55 * M_PI / 180;
 constexpr double kAhead_s = 3, kAheadAfter_s = 4;
 
-// 0 before 0, 1 after 1, without a jump of speed or acceleration.
+// Rises from 0 at u = 0 to 1 at u = 1, without a jump of speed or acceleration.
 double smooth_step(double u) {
   u = std::clamp(u, 0.0, 1.0);
   return u * u * u * (u * (6 * u - 15) + 10);
 }
 
 struct OnFloor {
-  Vector2d at;      // metres
-  Vector2d left;    // unit vector across the way
-  double away_rad;  // direction away from the middle of the room
+  Vector2d at;      // position, m
+  Vector2d left;    // unit vector to the left of the way
+  double away_rad;  // yaw of the direction away from the middle of the room
 };
 
-// `along_m` is the way from the doorway on, in the second half of the walk. The first half is the same turned by 180
-// degrees.
+// Returns the place in the second half of the walk, `along_m` after the doorway. The first half is the second one
+// turned by 180 degrees.
 OnFloor second_half(double along_m) {
   const double straight_m = std::sqrt(kMiddle_m * kMiddle_m - kRadius_m * kRadius_m);
-  const double touch_rad = M_PI - std::acos(kRadius_m / kMiddle_m);  // seen from the middle of the room
+  const double touch_rad = M_PI - std::acos(kRadius_m / kMiddle_m);  // as seen from the middle of the room
   if (along_m < straight_m) {
     const Vector2d left(std::cos(touch_rad), std::sin(touch_rad));
     return {along_m * Vector2d(left.y(), -left.x()), left, touch_rad};
@@ -83,7 +84,7 @@ class NextRoomPath {
   SE3 at(double t) const {
     const double since_door_s = t - middle_s_;
     const OnFloor floor = on_floor(along_m(since_door_s));
-    // Neither at the ends, nor at the doorway, where there is no room for it.
+    // The camera wanders neither at the ends nor at the doorway, which is too narrow.
     const double free = smooth_step((middle_s_ - std::abs(since_door_s)) / 2) *
                         smooth_step((std::abs(since_door_s) - kPassage_s / 2) / 3);
     const Vector2d at = floor.at + 0.2 * free * aside_.at(t) * floor.left;
@@ -105,7 +106,7 @@ class NextRoomPath {
   }
 
   double yaw_rad(double since_door_s) const {
-    const double out_s = std::abs(since_door_s) - kPassage_s / 2;  // of the passage
+    const double out_s = std::abs(since_door_s) - kPassage_s / 2;  // time outside the passage; negative inside
     const double before = on_floor(std::min(along_m(since_door_s), -1e-9)).away_rad +
                           (since_door_s < 0 ? kAhead_rad * smooth_step(1 - out_s / kAhead_s) : kAhead_rad);
     const double after =

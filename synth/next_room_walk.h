@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A walk on which a camera is lost: about in one room, through the doorway in a fast turn, out of focus and in half
-// the light, and about in the next room. Neither room is ever seen from the other one: no place is seen twice, and
-// only the images of the turn tell how the two rooms lie to each other.
+// A walk on which tracking is lost. The camera goes about in one room, passes the doorway in a fast turn, out of focus
+// and in little more than half the light, and goes about in the next room. Neither room is ever seen from the other
+// one. So no place is seen twice, and only the images of the turn tell how the two rooms lie to each other.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +14,16 @@
 
 namespace rumi::synth {
 
-// What a camera does, and what of the building and of the images belongs to it.
+// A camera's path, the doorway that it passes, and the hard passages on its way.
 struct Walk {
   CameraPath path;
   std::optional<Doorway> doorway = {};
-  std::vector<HardPassage> hard = {};  // at_s: after the path's begin
+  std::vector<HardPassage> hard = {};  // at_s counts from the beginning of the path
 };
 
 inline constexpr double kMinNextRoomSeconds = 14, kMaxNextRoomSeconds = 60;
 
-// The doorway is at the map's origin, the wall that it is in along y, z is up.
+// The doorway is at the map's origin, in a wall along y. z is up.
 Walk walk_to_next_room(double seconds, uint64_t seed);
 
 }  // namespace rumi::synth

@@ -10,9 +10,9 @@
 namespace rumi::synth {
 namespace {
 
-std::string range(const char* field, double value, double low, double high, const char* unit) {
+Result<> range(const char* field, double value, double low, double high, const char* unit) {
   if (value >= low && value <= high) return {};  // NaN fails too
-  return fmt::format("{} is {}: must be {} to {}{}", field, value, low, high, unit);
+  return Error{fmt::format("{} is {}: must be {} to {}{}", field, value, low, high, unit)};
 }
 
 }  // namespace
@@ -27,54 +27,46 @@ Camera default_synth_camera(int width, int height) {
   return camera;
 }
 
-std::string SynthOptions::check() const {
+Result<> SynthOptions::check() const {
   if (walk == WalkKind::kNextRoom && path_file.empty()) {
-    if (std::string error =
+    if (const Result<> fits =
             range("seconds of the walk next-room", seconds, kMinNextRoomSeconds, kMaxNextRoomSeconds, " s");
-        !error.empty())
-      return error;
+        !fits)
+      return fits;
   }
-  for (const std::string& error :
+  for (const Result<>& fits :
        {range("seconds", seconds, 0.1, 3600, " s"), range("rate", rate_hz, 0, 1000, " Hz (0: the path's own times)"),
         range("start", start_s, 0, 1e6, " s"), range("duration", duration_s, 0, 1e6, " s (0: to the end)"),
         range("blur", exposure_s, 0, 0.2, " s of shutter time"),
         range("max_sub_exposures", max_sub_exposures, 1, 64, ""), range("noise", noise, 0, 20, ""),
         range("exposure_swing", exposure_swing, 0, 0.8, ""), range("jpeg_quality", jpeg_quality, 1, 100, "")})
-    if (!error.empty()) return error;
-  if (const std::string error = camera.check(); !error.empty()) return "camera: " + error;
+    if (!fits) return fits;
+  if (const std::string error = camera.check(); !error.empty()) return Error{error, "camera"};
   if (camera.width > 4096 || camera.height > 4096)
-    return fmt::format("camera: {}x{} is too large to render: at most 4096x4096", camera.width, camera.height);
+    return Error{fmt::format("{}x{} is too large to render: at most 4096x4096", camera.width, camera.height), "camera"};
   for (const HardPassage& passage : hard) {
-    for (const std::string& error : {range("hard passage: at", passage.at_s, 0, 1e6, " s"),
-                                     range("hard passage: for", passage.for_s, 0.05, 1e6, " s"),
-                                     range("hard passage: strength", passage.strength, 0, 1, "")})
-      if (!error.empty()) return error;
+    for (const Result<>& fits : {range("hard passage: at", passage.at_s, 0, 1e6, " s"),
+                                 range("hard passage: for", passage.for_s, 0.05, 1e6, " s"),
+                                 range("hard passage: strength", passage.strength, 0, 1, "")})
+      if (!fits) return fits;
   }
   return {};
 }
 
-std::string parse_walk_kind(const std::string& name, WalkKind* kind) {
-  for (const auto& [known, value] : {std::pair{"loop", WalkKind::kLoop}, {"next-room", WalkKind::kNextRoom}}) {
-    if (name == known) {
-      *kind = value;
-      return {};
-    }
-  }
-  return fmt::format("--walk {}: must be loop or next-room", name);
+Result<WalkKind> parse_walk_kind(const std::string& name) {
+  if (name == "loop") return WalkKind::kLoop;
+  if (name == "next-room") return WalkKind::kNextRoom;
+  return Error{fmt::format("--walk {}: must be loop or next-room", name)};
 }
 
-std::string parse_hard_kind(const std::string& name, HardPassage::Kind* kind) {
+Result<HardPassage::Kind> parse_hard_kind(const std::string& name) {
   using Kind = HardPassage::Kind;
-  for (const auto& [known, value] : {std::pair{"blur", Kind::kBlur},
-                                     {"dark", Kind::kDark},
-                                     {"textureless", Kind::kTextureless},
-                                     {"rotation", Kind::kRotation}}) {
-    if (name == known) {
-      *kind = value;
-      return {};
-    }
-  }
-  return fmt::format("--hard {}: must be blur, dark, textureless or rotation", name);
+  for (const auto& [known, kind] : {std::pair{"blur", Kind::kBlur},
+                                    {"dark", Kind::kDark},
+                                    {"textureless", Kind::kTextureless},
+                                    {"rotation", Kind::kRotation}})
+    if (name == known) return kind;
+  return Error{fmt::format("--hard {}: must be blur, dark, textureless or rotation", name)};
 }
 
 }  // namespace rumi::synth

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "slam/geometry/camera.h"
 
 namespace rumi::synth {
@@ -13,49 +14,49 @@ namespace rumi::synth {
 struct HardPassage {
   enum class Kind {
     kBlur,         // out of focus
-    kDark,         // a few grey levels and noise
-    kTextureless,  // everything in sight fades to one blank surface
-    kRotation,     // a fast turn of the camera about the vertical, and back
+    kDark,         // a few grey levels, and noise
+    kTextureless,  // everything in sight becomes one blank surface
+    kRotation,     // the camera turns fast about the vertical, and back
   };
   Kind kind = Kind::kBlur;
-  double at_s = 0;      // after the first frame
-  double for_s = 0;     // how long
-  double strength = 1;  // 0 .. 1: so much of it
+  double at_s = 0;      // seconds after the first frame
+  double for_s = 0;     // duration, s
+  double strength = 1;  // 0 .. 1; 1 is the full effect
 };
 
-// width x height pixels with the field of view of a TUM RGB-D camera: fx = fy = 525 at 640 pixels of width.
+// Returns a camera with the field of view of TUM RGB-D: fx = fy = 525 at 640 pixels of width.
 Camera default_synth_camera(int width, int height);
 
-// A walk of our own.
+// A walk that synth makes up.
 enum class WalkKind {
   kLoop,      // around the middle of a room
   kNextRoom,  // lost on the way into the next room: see next_room_walk.h
 };
 
 struct SynthOptions {
-  uint64_t seed = 1;  // of everything random: the room, its contents, the walk, the noise
+  uint64_t seed = 1;  // seed of everything random: the room, its contents, the walk, the noise
   WalkKind walk = WalkKind::kLoop;
-  double seconds = 20;    // length of the own walk
-  double rate_hz = 0;     // 0: 30 on the own walk, the file's own times along a path file
-  std::string path_file;  // TUM trajectory (map_from_cam: t tx ty tz qx qy qz qw); empty: own walk
+  double seconds = 20;    // length of the walk without a path file
+  double rate_hz = 0;     // 0: the times of the path file; without one, 30
+  std::string path_file;  // TUM trajectory (map_from_cam: t tx ty tz qx qy qz qw); empty: the walk above
   double start_s = 0;     // seconds into the path
-  double duration_s = 0;  // seconds of it; 0: to its end
+  double duration_s = 0;  // seconds of the path; 0: to its end
   Camera camera = default_synth_camera(640, 480);
-  double exposure_s = 0.008;     // shutter time: motion blur; 0: none
-  int max_sub_exposures = 8;     // images averaged where the picture moves fast
+  double exposure_s = 0.008;     // shutter time, which causes motion blur; 0: no blur
+  int max_sub_exposures = 8;     // images that are averaged if the picture moves fast, at most
   double noise = 1;              // times the default sensor noise (read 1.2 grey levels, shot 2.2 at mid grey); 0: none
-  double exposure_swing = 0.15;  // slow change of the gain, fraction
-  bool grey = false;             // grey images, else colour
+  double exposure_swing = 0.15;  // slow change of the gain, as a share of it
+  bool grey = false;             // grey images; otherwise colour
   int jpeg_quality = 92;
   std::vector<HardPassage> hard;
 
-  // What is wrong, naming field and value; empty if nothing.
-  std::string check() const;
+  // An Error names the field and its value if an option cannot be used.
+  Result<> check() const;
 };
 
-// "loop", "next-room"; empty error on success.
-std::string parse_walk_kind(const std::string& name, WalkKind* kind);
-// "blur", "dark", "textureless", "rotation"; empty error on success.
-std::string parse_hard_kind(const std::string& name, HardPassage::Kind* kind);
+// Returns the kind named "loop" or "next-room", else an Error.
+Result<WalkKind> parse_walk_kind(const std::string& name);
+// Returns the kind named "blur", "dark", "textureless" or "rotation", else an Error.
+Result<HardPassage::Kind> parse_hard_kind(const std::string& name);
 
 }  // namespace rumi::synth

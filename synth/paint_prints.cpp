@@ -19,7 +19,7 @@ void text_block(Canvas& c, const cv::Rect& r, int height_px, int ink) {
   }
 }
 
-// A "photograph": noise as landscape, light and shade.
+// Returns a "photograph": noise as a landscape with light and shade.
 cv::Mat landscape(cv::Size size, cv::RNG& rng) {
   cv::Mat picture(size, CV_8U);
   for (int y = 0; y < size.height; ++y) {
@@ -84,7 +84,8 @@ void shapes(Canvas& c, const cv::Rect& r) {
     if (i % 3 == 0) {
       cv::circle(layer, at, size, ink, thickness, cv::LINE_AA);
     } else if (i % 3 == 1) {
-      const cv::RotatedRect box(at, cv::Size2f(size * 2.f, static_cast<float>(size)), c.rng.uniform(0.f, 180.f));
+      const cv::RotatedRect box(at, cv::Size2f(static_cast<float>(size) * 2.f, static_cast<float>(size)),
+                                c.rng.uniform(0.f, 180.f));
       cv::Point2f corners[4];
       box.points(corners);
       std::vector<cv::Point> polygon(corners, corners + 4);
@@ -159,7 +160,7 @@ void picture(Canvas& c) {
   landscape(c.size(), c.rng).copyTo(c.tone);
   cv::Mat warm = octave_noise(c.size(), c.rng, c.tone.rows * 0.2, 0.7);
   warm.convertTo(c.accent, CV_8U, 110, 20);
-  const double area = c.tone.total() / (c.px_per_m * c.px_per_m);
+  const double area = static_cast<double>(c.tone.total()) / (c.px_per_m * c.px_per_m);
   for (int i = static_cast<int>(area * 700); i > 0; --i) {  // brush strokes
     const cv::Point at(c.rng.uniform(0, c.tone.cols), c.rng.uniform(0, c.tone.rows));
     const int tone = std::clamp(c.tone.at<uchar>(at) + c.rng.uniform(-70, 70), 0, 255);
@@ -194,7 +195,7 @@ void screen(Canvas& c) {
   cv::rectangle(c.tone, {0, 0, c.tone.cols, c.tone.rows}, 5, 2 * c.px(0.012));
 }
 
-// Sky, houses and trees behind the bars of a window.
+// Paints sky, houses and trees behind the bars of a window.
 void window(Canvas& c) {
   const cv::Size s = c.size();
   for (int y = 0; y < s.height; ++y) {

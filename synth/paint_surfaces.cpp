@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Walls, floors, ceilings and the surfaces of things.
+// Paints walls, floors, ceilings and the surfaces of things.
 #include <opencv2/imgproc.hpp>
 
 #include "synth/painter.h"
@@ -12,7 +12,7 @@ void fill(Canvas& c, int tone, double coarse_m, double strength) {
   add_noise(c.tone, octave_noise(c.size(), c.rng, std::max(2.0, coarse_m * c.px_per_m), 0.72), strength);
 }
 
-// Lets the accent colour shine through where noise is high: stains, dirt, moss.
+// Lets the accent colour show where the noise is above `threshold`: stains, dirt, moss.
 void stain(Canvas& c, double coarse_m, double threshold, double strength) {
   cv::Mat mask = octave_noise(c.size(), c.rng, std::max(2.0, coarse_m * c.px_per_m), 0.6) - threshold;
   cv::Mat add;
@@ -21,7 +21,7 @@ void stain(Canvas& c, double coarse_m, double threshold, double strength) {
 }
 
 void specks(Canvas& c, double per_m2, double max_radius_m, int tone_low, int tone_high) {
-  const double area = c.tone.total() / (c.px_per_m * c.px_per_m);
+  const double area = static_cast<double>(c.tone.total()) / (c.px_per_m * c.px_per_m);
   for (int i = static_cast<int>(per_m2 * area); i > 0; --i) {
     const cv::Point at(c.rng.uniform(0, c.tone.cols), c.rng.uniform(0, c.tone.rows));
     const int radius = static_cast<int>(c.rng.uniform(0.2, 1.0) * max_radius_m * c.px_per_m);
@@ -31,7 +31,7 @@ void specks(Canvas& c, double per_m2, double max_radius_m, int tone_low, int ton
 }
 
 void cracks(Canvas& c, double per_m2, double length_m, int tone) {
-  const double area = c.tone.total() / (c.px_per_m * c.px_per_m);
+  const double area = static_cast<double>(c.tone.total()) / (c.px_per_m * c.px_per_m);
   for (int i = static_cast<int>(per_m2 * area); i > 0; --i) {
     cv::Point2d at(c.rng.uniform(0, c.tone.cols), c.rng.uniform(0, c.tone.rows));
     double heading = c.rng.uniform(0.0, 2 * CV_PI);
@@ -72,7 +72,8 @@ void plaster(Canvas& c) {
   stain(c, 0.5, 0.6, 160);
   specks(c, 260, 0.012, 40, 255);
   cracks(c, 2.2, 0.7, 50);
-  for (int i = static_cast<int>(c.tone.total() / (c.px_per_m * c.px_per_m) * 5); i > 0; --i) {  // scuffs and old paint
+  for (int i = static_cast<int>(static_cast<double>(c.tone.total()) / (c.px_per_m * c.px_per_m) * 5); i > 0;
+       --i) {  // scuffs and old paint
     const cv::Point at(c.rng.uniform(0, c.tone.cols), c.rng.uniform(0, c.tone.rows));
     const cv::Point to = at + cv::Point(c.px(c.rng.uniform(0.02, 0.3)), c.rng.uniform(-c.px(0.05), c.px(0.05)));
     cv::line(c.tone, at, to, c.rng.uniform(90, 240), c.rng.uniform(1, 4), cv::LINE_AA);
@@ -81,7 +82,7 @@ void plaster(Canvas& c) {
 
 void wallpaper(Canvas& c) {
   fill(c, 200, 0.7, 22);
-  const double area = c.tone.total() / (c.px_per_m * c.px_per_m);
+  const double area = static_cast<double>(c.tone.total()) / (c.px_per_m * c.px_per_m);
   for (int i = static_cast<int>(area * 46); i > 0; --i) {  // sprigs of leaves and blossoms, no two alike
     cv::Point2d at(c.rng.uniform(0, c.tone.cols), c.rng.uniform(0, c.tone.rows));
     double heading = c.rng.uniform(0.0, 2 * CV_PI);
@@ -122,7 +123,7 @@ void stone(Canvas& c) {
   stain(c, 0.6, 0.5, 180);
 }
 
-// Grain along x within one board.
+// Paints one board, with its grain along x.
 void board(Canvas& c, const cv::Rect& where, int tone) {
   const cv::Rect r = where & cv::Rect({}, c.size());
   if (r.empty()) return;
@@ -187,7 +188,7 @@ void tiles(Canvas& c) {
 
 void carpet(Canvas& c) {
   fill(c, 150, 0.3, 34);
-  const double area = c.tone.total() / (c.px_per_m * c.px_per_m);
+  const double area = static_cast<double>(c.tone.total()) / (c.px_per_m * c.px_per_m);
   for (int i = static_cast<int>(area * 60); i > 0; --i) {
     const cv::Point at(c.rng.uniform(0, c.tone.cols), c.rng.uniform(0, c.tone.rows));
     cv::Mat& layer = c.rng.uniform(0, 2) ? c.tone : c.accent;
@@ -259,7 +260,7 @@ void cardboard(Canvas& c) {
   cv::rectangle(c.tone, {0, 0, s.width, s.height}, 60, 2);
 }
 
-// The back of a book: text runs downwards.
+// Paints the back of a book, on which the text runs downwards.
 void book(Canvas& c) {
   fill(c, c.rng.uniform(40, 220), 0.05, 14);
   const int ink = cv::mean(c.tone)[0] > 128 ? 10 : 245;

@@ -1,12 +1,46 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "synth/painter.h"
 
+#include <map>
 #include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
 
 namespace rumi::synth {
 namespace {
 
-// Inks and dyes as they are sold: mostly muted, few greens and purples.
+// Materials that have a few palettes of their own. Any other material may have any colour.
+const std::map<Material, std::vector<Palette>> kPalettes = {
+    {Material::kBrick,
+     {{{70, 38, 30}, {190, 110, 80}, {205, 195, 180}}, {{80, 62, 45}, {205, 165, 120}, {215, 210, 200}}}},
+    {Material::kPlaster,
+     {{{120, 112, 96}, {238, 230, 212}, {95, 70, 50}},
+      {{95, 110, 118}, {212, 226, 230}, {80, 76, 70}},
+      {{110, 120, 88}, {222, 228, 196}, {100, 80, 50}}}},
+    {Material::kWallpaper,
+     {{{50, 82, 78}, {210, 214, 190}, {170, 70, 50}},
+      {{92, 40, 48}, {226, 200, 176}, {60, 90, 60}},
+      {{44, 58, 96}, {212, 210, 216}, {190, 150, 60}}}},
+    {Material::kPanelling,
+     {{{62, 36, 18}, {190, 132, 78}, {40, 22, 12}}, {{88, 62, 36}, {222, 182, 128}, {60, 40, 22}}}},
+    {Material::kPlanks, {{{62, 36, 18}, {190, 132, 78}, {40, 22, 12}}, {{88, 62, 36}, {222, 182, 128}, {60, 40, 22}}}},
+    {Material::kWood,
+     {{{58, 32, 16}, {172, 112, 62}, {36, 20, 10}},
+      {{110, 80, 48}, {228, 192, 140}, {72, 48, 26}},
+      {{40, 30, 26}, {112, 84, 68}, {24, 16, 14}},
+      {{140, 140, 136}, {228, 228, 222}, {90, 90, 90}}}},
+    {Material::kStone, {{{60, 60, 62}, {188, 184, 174}, {96, 90, 70}}, {{84, 72, 56}, {206, 190, 158}, {70, 80, 60}}}},
+    {Material::kTiles, {{{70, 66, 60}, {214, 208, 196}, {60, 84, 120}}, {{80, 50, 36}, {206, 150, 110}, {40, 60, 60}}}},
+    {Material::kCeiling, {{{110, 110, 106}, {232, 230, 224}, {80, 74, 66}}}},
+    {Material::kCardboard,
+     {{{84, 56, 32}, {206, 164, 112}, {40, 36, 36}}, {{96, 70, 46}, {218, 184, 136}, {150, 40, 30}}}},
+    {Material::kLeaf, {{{16, 46, 14}, {104, 164, 62}, {190, 200, 90}}, {{24, 60, 30}, {130, 178, 96}, {170, 120, 60}}}},
+    {Material::kPot,
+     {{{80, 40, 26}, {196, 112, 74}, {230, 220, 200}}, {{40, 52, 70}, {150, 170, 190}, {235, 235, 235}}}},
+    {Material::kWindow, {{{52, 70, 60}, {226, 236, 250}, {96, 84, 72}}}},
+};
+
+// Returns a random colour of usual inks and dyes: mostly muted, few greens and purples.
 cv::Vec3b hue(cv::RNG& rng, int brightness, double saturation) {
   static const cv::Vec3f kInks[] = {{1.f, .30f, .22f},  {1.f, .62f, .20f}, {1.f, .85f, .45f},  {.55f, .72f, .42f},
                                     {.30f, .62f, .60f}, {.35f, .60f, 1.f}, {.32f, .42f, .80f}, {.72f, .50f, .66f},
@@ -96,44 +130,13 @@ cv::Mat paint(Material material, cv::Size size, double px_per_m, cv::RNG& rng) {
 }
 
 Palette random_palette(Material material, cv::RNG& rng) {
-  const auto pick = [&](std::initializer_list<Palette> palettes) {
-    return jittered(palettes.begin()[rng.uniform(0, static_cast<int>(palettes.size()))], 14, rng);
-  };
+  if (const auto found = kPalettes.find(material); found != kPalettes.end()) {
+    const std::vector<Palette>& palettes = found->second;
+    return jittered(palettes[rng.uniform(0, static_cast<int>(palettes.size()))], 14, rng);
+  }
   switch (material) {
-    case Material::kBrick:
-      return pick({{{70, 38, 30}, {190, 110, 80}, {205, 195, 180}}, {{80, 62, 45}, {205, 165, 120}, {215, 210, 200}}});
-    case Material::kPlaster:
-      return pick({{{120, 112, 96}, {238, 230, 212}, {95, 70, 50}},
-                   {{95, 110, 118}, {212, 226, 230}, {80, 76, 70}},
-                   {{110, 120, 88}, {222, 228, 196}, {100, 80, 50}}});
-    case Material::kWallpaper:
-      return pick({{{50, 82, 78}, {210, 214, 190}, {170, 70, 50}},
-                   {{92, 40, 48}, {226, 200, 176}, {60, 90, 60}},
-                   {{44, 58, 96}, {212, 210, 216}, {190, 150, 60}}});
-    case Material::kPanelling:
-    case Material::kPlanks:
-      return pick({{{62, 36, 18}, {190, 132, 78}, {40, 22, 12}}, {{88, 62, 36}, {222, 182, 128}, {60, 40, 22}}});
-    case Material::kWood:
-      return pick({{{58, 32, 16}, {172, 112, 62}, {36, 20, 10}},
-                   {{110, 80, 48}, {228, 192, 140}, {72, 48, 26}},
-                   {{40, 30, 26}, {112, 84, 68}, {24, 16, 14}},
-                   {{140, 140, 136}, {228, 228, 222}, {90, 90, 90}}});
-    case Material::kStone:
-      return pick({{{60, 60, 62}, {188, 184, 174}, {96, 90, 70}}, {{84, 72, 56}, {206, 190, 158}, {70, 80, 60}}});
-    case Material::kTiles:
-      return pick({{{70, 66, 60}, {214, 208, 196}, {60, 84, 120}}, {{80, 50, 36}, {206, 150, 110}, {40, 60, 60}}});
     case Material::kCarpet:
       return {hue(rng, 90, 0.7), hue(rng, 225, 0.35), hue(rng, 170, 0.8)};
-    case Material::kCeiling:
-      return pick({{{110, 110, 106}, {232, 230, 224}, {80, 74, 66}}});
-    case Material::kCardboard:
-      return pick({{{84, 56, 32}, {206, 164, 112}, {40, 36, 36}}, {{96, 70, 46}, {218, 184, 136}, {150, 40, 30}}});
-    case Material::kLeaf:
-      return pick({{{16, 46, 14}, {104, 164, 62}, {190, 200, 90}}, {{24, 60, 30}, {130, 178, 96}, {170, 120, 60}}});
-    case Material::kPot:
-      return pick({{{80, 40, 26}, {196, 112, 74}, {230, 220, 200}}, {{40, 52, 70}, {150, 170, 190}, {235, 235, 235}}});
-    case Material::kWindow:
-      return pick({{{52, 70, 60}, {226, 236, 250}, {96, 84, 72}}});
     case Material::kScreen:
       return {{14, 18, 26}, hue(rng, 235, 0.35), hue(rng, 225, 0.8)};
     case Material::kPaper:
@@ -143,11 +146,9 @@ Palette random_palette(Material material, cv::RNG& rng) {
       return rng.uniform(0, 3) ? Palette{hue(rng, rng.uniform(50, 110), 0.8), hue(rng, rng.uniform(170, 240), 0.5),
                                          hue(rng, 225, 0.7)}
                                : Palette{{30, 30, 34}, {224, 220, 208}, hue(rng, 200, 0.8)};
-    case Material::kPoster:
-    case Material::kPicture:
+    default:  // posters and pictures
       return {hue(rng, rng.uniform(20, 80), 0.6), hue(rng, rng.uniform(205, 250), 0.25), hue(rng, 220, 0.85)};
   }
-  return {};
 }
 
 }  // namespace rumi::synth

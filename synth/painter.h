@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Paints the surfaces of the room: every object gets a picture of its own, because a repeated one would mislead SLAM.
+// Paints the surfaces of the room. Every object gets a picture of its own, because repeated ones would mislead SLAM.
 #pragma once
 
 #include <cmath>
@@ -33,16 +33,17 @@ enum class Material {
   kPaper,
 };
 
-// A painted picture has two channels: tone leads from `dark` to `light`, the accent channel from there to `accent`.
+// A painted picture has two channels. Tone leads from `dark` to `light`, and the accent channel from that colour to
+// `accent`.
 struct Palette {
   cv::Vec3b dark, light, accent;  // R, G, B
 };
 
-// CV_8UC2, size in pixels, px_per_m pixels to the metre.
+// Returns CV_8UC2 of `size` pixels, with px_per_m pixels per metre.
 cv::Mat paint(Material material, cv::Size size, double px_per_m, cv::RNG& rng);
 Palette random_palette(Material material, cv::RNG& rng);
 
-// The two halves of paint(): each draws on a canvas of its own material, prepared with noise.
+// A canvas of one material, which the functions below draw on. It has the two channels of a painted picture.
 struct Canvas {
   cv::Mat tone, accent;  // CV_8UC1
   double px_per_m;
@@ -56,14 +57,14 @@ void paint_floor(Material material, Canvas& canvas);
 void paint_thing(Material material, Canvas& canvas);
 void paint_print(Material material, Canvas& canvas);
 
-// Noise of several octaves, CV_32F within about [-1, 1]. The coarsest cells are cell_px high and stretch * cell_px
-// wide, each octave has half the cell and `gain` times the strength of the one before.
+// Returns noise of several octaves, CV_32F within about [-1, 1]. The coarsest cells are cell_px high and stretch *
+// cell_px wide. Each octave has half the cell size of the one before, and `gain` times its strength.
 cv::Mat octave_noise(cv::Size size, cv::RNG& rng, double cell_px, double gain = 0.6, double stretch = 1);
-// tone += strength * noise, clipped.
+// Adds strength * noise to `tone`, clipped.
 void add_noise(cv::Mat& tone, const cv::Mat& noise, double strength);
-// A made-up word of 2 to 9 letters.
+// Returns a made-up word of 2 to 9 letters.
 std::string random_word(cv::RNG& rng);
-// A line of made-up words, `height_px` high, from x = left up to right.
+// Draws a line of made-up words, `height_px` high, from x = left to x = right.
 void draw_text_line(cv::Mat& image, int left, int right, int baseline_y, int height_px, int tone, cv::RNG& rng);
 
 }  // namespace rumi::synth

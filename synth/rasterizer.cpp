@@ -49,7 +49,7 @@ void main() {
 })";
 
 Eigen::Matrix4d clip_from_camera(const Camera& c) {
-  // Positive clip y is downwards in the image: see OffscreenContext::read.
+  // Positive clip y is downwards in the image, see OffscreenContext::read.
   Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
   m(0, 0) = 2 * c.fx / c.width;
   m(0, 2) = 2 * (c.cx + 0.5) / c.width - 1;
@@ -111,7 +111,7 @@ Rasterizer::Rasterizer(Mesh mesh, const Camera& pinhole)
   frustum_ = {{1, 0, -l}, {-1, 0, r}, {0, 1, -t}, {0, -1, b}, {0, 0, 1}};
 }
 
-Rasterizer::~Rasterizer() = default;  // the context takes everything with it
+Rasterizer::~Rasterizer() = default;  // the context destroys all objects of OpenGL
 
 bool Rasterizer::in_sight(const Part& part, const SE3& cam_from_room) const {
   for (const Eigen::Vector3d& inward : frustum_) {
@@ -127,7 +127,7 @@ void Rasterizer::draw(const SE3& cam_from_room, double blankness, cv::Mat* rgba)
   glClearColor(0.1f, 0.1f, 0.1f, 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glEnable(GL_DEPTH_TEST);
-  // Fronts are clockwise, but the image is drawn upside down.
+  // Front faces are clockwise, but the image is drawn upside down.
   glEnable(GL_CULL_FACE);
   glFrontFace(GL_CCW);
   glUseProgram(program_);

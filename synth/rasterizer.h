@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Draws a mesh by OpenGL as an ideal pinhole camera sees it.
+// Draws a mesh with OpenGL as an ideal pinhole camera sees it.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,12 +14,12 @@ namespace rumi::synth {
 
 class Rasterizer {
  public:
-  // The camera's distortion is ignored. The mesh's pictures are handed over to OpenGL and not kept.
+  // Ignores the camera's distortion. The mesh's textures are handed over to OpenGL and not kept.
   Rasterizer(Mesh mesh, const Camera& pinhole);
   ~Rasterizer();
 
-  // blankness: 0 the room, 1 nothing but one flat brightness. Output RGBA 8 bit, light and textures multiplied, not yet
-  // exposed (white is 200, so that lamps are not clipped).
+  // Draws light times texture, before exposure, as 8-bit RGBA. White in full light is 200, so that lamps are not
+  // clipped. blankness: 0 draws the room, 1 nothing but one flat brightness.
   void draw(const SE3& cam_from_room, double blankness, cv::Mat* rgba);
 
  private:
@@ -27,7 +27,7 @@ class Rasterizer {
   viewer_offscreen::OffscreenContext context_;
   Camera camera_;
   std::vector<Part> parts_;
-  std::vector<Eigen::Vector3d> frustum_;  // inward normals in the camera's frame
+  std::vector<Eigen::Vector3d> frustum_;  // normals that point inwards, in the camera's frame
   unsigned program_ = 0, vertex_array_ = 0, vertex_buffer_ = 0, index_buffer_ = 0, texture_ = 0;
 };
 

@@ -12,10 +12,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Texture pixels in all large surfaces together; larger rooms get coarser walls.
+// Number of texture pixels in all large surfaces together. The walls of larger rooms are coarser.
 constexpr double kSurfaceTexels = 30e6;
 
-constexpr double kDoorstep_m = 0.6;  // nothing stands nearer to a doorway, on either side
+constexpr double kDoorstep_m = 0.6;  // nothing stands nearer to a doorway than this, on either side
 
 struct Bounds {
   Vector3d low, high;
@@ -61,7 +61,8 @@ class Furnisher {
     return std::min(focal_px, 2.5 * surface_density(shape, focal_px));
   }
 
-  // Frame of a wall: origin on the floor in its middle, x to the left of one who looks at it, y into the room.
+  // Returns the frame of a wall: origin on the floor in its middle, x to the left of a person who looks at it, y into
+  // the room.
   SE3 wall_frame(int wall) const {
     const Vector3d middle = 0.5 * (room_.low + room_.high);
     const Vector3d inward[] = {{0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {1, 0, 0}};
@@ -69,7 +70,7 @@ class Furnisher {
     at.z() = room_.low.z();
     return SE3(so3_exp({0, 0, wall * M_PI / 2}), at);
   }
-  // The doorway in the frame of a wall, x and z; empty if it is in no such wall.
+  // Returns the doorway's x and z in the frame of a wall; empty if the wall has no doorway.
   cv::Rect2d opening_in(int wall) const {
     if (!shape_.doorway || wall % 2 == 0) return {};
     const Doorway& door = *shape_.doorway;
@@ -95,7 +96,7 @@ class Furnisher {
     for (const Vector3d& p : shape_.path) nearest = std::min(nearest, box.distance(p));
     return nearest;
   }
-  // Takes the place if it is free and away from the path.
+  // Takes the place and returns true if it is free and away from the path.
   bool claim(const SE3& frame, double width, double depth, double height, double z0 = 0) {
     const Bounds box = bounds(frame, width, depth, height, z0);
     if ((box.low.array() < room_.low.array() - 0.02).any() || (box.high.array() > room_.high.array() + 0.02).any())
@@ -161,7 +162,7 @@ class Furnisher {
     }
   }
 
-  // Lamps, beams and pipes under the ceiling.
+  // Adds beams, pipes and lamps under the ceiling.
   void add_hanging() {
     const SE3 top(Eigen::Quaterniond::Identity(), Vector3d(room_.low.x(), room_.low.y(), room_.high.z()));
     const Look wood = b_.look(Material::kPlanks), metal = b_.look(Material::kCloth);
@@ -183,7 +184,7 @@ class Furnisher {
     }
   }
 
-  // Windows, posters, pictures and papers; they may hide behind furniture but not overlap each other.
+  // Adds windows, posters, pictures and papers. Furniture may hide them, but they do not overlap each other.
   void decorate_wall(int wall) {
     const SE3 frame = wall_frame(wall);
     const double width = wall_width(wall), height = size_.z();
@@ -191,7 +192,7 @@ class Furnisher {
     std::vector<cv::Rect2d> used;
     const double area = width * height;
     for (int tries = static_cast<int>(std::min(9 * area, 900.0)); tries > 0; --tries) {
-      const bool window = used.size() < 1 + area / 40 && wall % 2 == 0;
+      const bool window = static_cast<double>(used.size()) < 1 + area / 40 && wall % 2 == 0;
       double w = window ? b_.uniform(0.9, 1.5) : b_.uniform(0.2, 0.9),
              h = window ? b_.uniform(1.0, 1.4) : w * b_.uniform(0.7, 1.5);
       Material material = window ? Material::kWindow : Material::kPoster;
@@ -229,7 +230,7 @@ class Furnisher {
     }
   }
 
-  // A large rectangle in pieces that a texture can hold.
+  // Adds a large rectangle in pieces that fit into the texture atlas.
   void surface(const SE3& frame, const Vector3d& corner, const Vector3d& u, const Vector3d& v, Look look) {
     look.px_per_m = surface_px_per_m_;
     const auto pieces = [&](double metres) {
@@ -244,10 +245,11 @@ class Furnisher {
       }
   }
 
-  // The wall between two rooms, in three pieces around its doorway. It comes first: from either room it hides the
-  // other.
+  // Adds the wall between two rooms, in three pieces around its doorway. It is drawn before all else, because from
+  // either room it hides the other one.
   void add_partition(const Doorway& door) {
-    const SE3 frame(so3_exp({0, 0, M_PI / 2}), Vector3d(door.at.x(), door.at.y(), shape_.low.z()));  // its x is our y
+    // The frame's x is the room's y.
+    const SE3 frame(so3_exp({0, 0, M_PI / 2}), Vector3d(door.at.x(), door.at.y(), shape_.low.z()));
     const double height = shape_.high.z() - shape_.low.z(), half = door.width_m / 2;
     Look wall = b_.look(Material::kBrick);
     wall.px_per_m = surface_px_per_m_;
@@ -264,13 +266,13 @@ class Furnisher {
     taken_.push_back({middle - reach, middle + reach + Vector3d(0, 0, door.height_m)});
   }
 
-  // Walls, floor and ceiling come last: what stands before them is drawn first and spares their pixels.
+  // Adds walls, floor and ceiling. They come last: things before them are drawn first and hide their pixels.
   void add_shell() {
     const Material walls[] = {Material::kBrick, Material::kWallpaper, Material::kPlaster, Material::kPanelling,
                               Material::kStone};
     const int first = b_.rng.uniform(0, 5);
     for (int wall = 0; wall < 4; ++wall) {
-      if (!opening_in(wall).empty()) continue;  // stands already
+      if (!opening_in(wall).empty()) continue;  // add_partition() has built it
       const double w = wall_width(wall), h = size_.z();
       surface(wall_frame(wall), {w / 2, 0, h}, {-w, 0, 0}, {0, 0, -h}, b_.look(walls[(first + wall) % 5]));
     }
@@ -282,8 +284,8 @@ class Furnisher {
   }
 
   const RoomShape& shape_;
-  Box room_;       // the one that is being furnished
-  Vector3d size_;  // of it
+  Box room_;       // the room that is being furnished
+  Vector3d size_;  // size of room_
   MeshBuilder b_;
   double surface_px_per_m_;
   std::vector<Bounds> taken_;
@@ -304,7 +306,7 @@ RoomShape fit_room(const CameraPath& path, uint64_t seed, const std::optional<Do
   RoomShape shape;
   shape.doorway = doorway;
   const Eigen::Quaterniond upright = shortest_turn(path.up(), Vector3d::UnitZ());
-  // A point at least every 5 cm or so is enough to keep furniture away.
+  // Points about 5 cm apart are enough to keep furniture away from the path.
   const double begin = path.times_s().front(), end = path.times_s().back();
   const int samples = std::clamp(static_cast<int>(path.times_s().size()), 2, 1500);
   std::vector<cv::Point2f> ground;

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "base/or_throw.h"
 #include "synth/camera_path.h"
 #include "synth/lens.h"
 #include "synth/next_room_walk.h"
@@ -17,13 +18,13 @@
 namespace rumi::synth {
 namespace {
 
-constexpr double kRamp_s = 0.25;                // a hard passage comes and goes in this time
-constexpr double kTurn_rad = 110 * M_PI / 180;  // of a hard rotation, there and back
-constexpr double kBlurPx = 5.0;                 // standard deviation out of focus, at 640 pixels of width
+constexpr double kRamp_s = 0.25;                // time in which a hard passage sets in, and in which it ends
+constexpr double kTurn_rad = 110 * M_PI / 180;  // how far a hard rotation turns, before it turns back
+constexpr double kBlurPx = 5.0;  // standard deviation of the blur of a hard passage, at 640 pixels of width
 constexpr double kDarkGain = 0.035;
 constexpr double kExposureGain = 1.2;
 
-// How much of a hard passage is on at t seconds after the first frame: 0 .. 1.
+// Returns how much of a hard passage's full effect there is t seconds after the first frame, 0 .. 1.
 double amount(const HardPassage& passage, double t) {
   const double ramp = std::min(kRamp_s, passage.for_s / 4);
   const double inside = std::min(t - passage.at_s, passage.at_s + passage.for_s - t);
@@ -38,8 +39,8 @@ double amount(const std::vector<HardPassage>& passages, HardPassage::Kind kind, 
 }
 
 Walk make_walk(const SynthOptions& options) {
-  if (const std::string error = options.check(); !error.empty()) throw std::runtime_error(error);
-  if (!options.path_file.empty()) return {.path = CameraPath::load(options.path_file)};
+  or_throw(options.check());
+  if (!options.path_file.empty()) return {.path = or_throw(CameraPath::load(options.path_file))};
   if (options.walk == WalkKind::kNextRoom) return walk_to_next_room(options.seconds, options.seed);
   return {.path = CameraPath::walk(options.seconds, options.seed)};
 }
@@ -61,7 +62,7 @@ struct SequenceRenderer::Impl {
     }
     choose_times();
     const double begin = times_s.front(), end = times_s.back();
-    // The room holds the whole path if only part of it is asked for: the same room for every part.
+    // The room holds the whole path even if only a part is asked for, so that all parts of a path have the same room.
     shape = fit_room(path, options.seed, walk.doorway);
     first_s = begin;
     if (end <= begin)
@@ -102,7 +103,7 @@ struct SequenceRenderer::Impl {
     return map_from_cam;
   }
 
-  // How far the picture moves during the exposure, about, in pixels: decides how many images are averaged.
+  // Returns how many images are averaged for the exposure: about one for every kStep_px by which the picture moves.
   int sub_exposures(double t) const {
     if (options.exposure_s <= 0) return 1;
     const SE3 move = pose(t - options.exposure_s / 2).inverse() * pose(t + options.exposure_s / 2);
@@ -151,7 +152,7 @@ cv::Mat SequenceRenderer::render(int frame) {
   cv::Mat sum;
   for (int k = 0; k < n; ++k) {
     const double offset = n > 1 ? s.options.exposure_s * ((k + 0.5) / n - 0.5) : 0;
-    // A running mean: after k images each of them weighs 1 / (k + 1).
+    // The weight 1 / (k + 1) makes the sum the mean of the k + 1 images so far.
     s.add_exposure(t + offset, 1.0 / (k + 1), hard(Kind::kTextureless), &sum);
   }
   if (const double blur = hard(Kind::kBlur); blur > 0) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Many small pictures packed into a few large ones.
+// Packs many small pictures into a few large ones.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -9,14 +9,15 @@ namespace rumi::synth {
 
 class TextureAtlas {
  public:
-  static constexpr int kSize = 4096;      // pixels, width and height of a layer
-  static constexpr int kMaxPatch = 4000;  // pixels, width or height of a picture
+  static constexpr int kSize = 4096;      // width and height of a layer, pixels
+  static constexpr int kMaxPatch = 4000;  // width or height of a picture, at most, pixels
 
   struct Patch {
     int layer = 0;
     cv::Rect px;
   };
-  // CV_8UC2; its edge is repeated around it so that smaller mipmap levels do not mix in the neighbours.
+  // Adds a picture (CV_8UC2). Its edge is repeated around it, so that smaller mipmap levels do not mix in its
+  // neighbours.
   Patch add(const cv::Mat& picture);
   const std::vector<cv::Mat>& layers() const { return layers_; }
 
@@ -26,7 +27,7 @@ class TextureAtlas {
   };
   Shelf* find_shelf(cv::Size size);
   std::vector<cv::Mat> layers_;
-  std::vector<int> filled_;  // rows given to shelves, by layer
+  std::vector<int> filled_;  // by layer: number of rows that belong to shelves
   std::vector<Shelf> shelves_;
 };
 

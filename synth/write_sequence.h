@@ -8,13 +8,13 @@
 
 namespace rumi::synth {
 
-// Called after each frame with the number written and the number in all; false stops.
+// Called after each frame with the number of frames written and of all frames. Returns false to stop.
 using SynthProgress = std::function<bool(int, int)>;
 
-// Renders a sequence into a TUM-style folder: rgb/TIME.jpg, rgb.txt, groundtruth.txt (map_from_cam: t tx ty tz qx qy qz
-// qw), calibration.yaml. The folder is made if needed; one that holds an rgb.txt already is refused unless `overwrite`.
-// Returns what went wrong (option, file, reason), or an empty string.
-std::string write_sequence(const SynthOptions& options, const std::string& folder, bool overwrite,
-                           const SynthProgress& progress);
+// Renders a sequence into a folder as of TUM RGB-D: rgb/TIME.jpg, rgb.txt, groundtruth.txt (map_from_cam: t tx ty tz qx
+// qy qz qw), calibration.yaml. Makes the folder if needed; refuses one that has an rgb.txt, unless `overwrite`. An
+// Error names the option or the file, and the reason; it is "stopped" if `progress` returned false.
+Result<> write_sequence(const SynthOptions& options, const std::string& folder, bool overwrite,
+                        const SynthProgress& progress);
 
 }  // namespace rumi::synth

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The order of the house (docs/architecture.md, "Rooms"): which file may include which. It holds for what is built, not
-// for tests and benchmarks.
+// Tests which file may include which (docs/architecture.md, "Rooms"). The rules hold for what is built, not for tests
+// and benchmarks.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,14 +19,14 @@ namespace {
 namespace fs = std::filesystem;
 using Names = std::set<std::string>;
 
-// What a folder may include besides itself and lcmtypes.
+// Folders that a folder may include, besides itself and lcmtypes.
 const Names kShared = {"slam", "base", "bus"};
 const std::map<std::string, Names> kFolders = {
     {"slam", {}},
     {"base", {}},
     {"bus", {"slam", "base"}},
     {"formats", kShared},
-    {"synth", {"slam", "base", "bus", "viewer_offscreen"}},  // draws with its OpenGL
+    {"synth", {"slam", "base", "bus", "viewer_offscreen"}},  // draws with the viewer's OpenGL
     {"camera_driver", {"slam", "base", "bus", "formats"}},
     {"front_tracker", kShared},
     {"ruminator", kShared},
@@ -37,8 +37,8 @@ const std::map<std::string, Names> kFolders = {
       "viewer_offscreen"}},
 };
 
-// What a room may include of its own folder besides itself; "" is the folder's top. A top that is not listed may
-// include all its rooms; a folder that is not listed has none.
+// Rooms that a room may include of its own folder, besides itself; "" is the folder's top. A top that is not listed may
+// include all its rooms; a folder that is not listed has no rooms.
 const std::map<std::string, std::map<std::string, Names>> kRooms = {
     {"slam",
      {{"numeric", {}},
@@ -56,8 +56,8 @@ const std::map<std::string, std::map<std::string, Names>> kRooms = {
      {{"text", {}},
       {"this_process", {"text"}},
       {"running", {"text", "this_process"}},
-      {"files", {"text", "this_process", "running"}},
-      {"child", {"text", "this_process", "running", "files"}},
+      {"files", {"", "text", "this_process", "running"}},
+      {"child", {"", "text", "this_process", "running", "files"}},
       {"command_line", {"text", "this_process", "running", "files"}}}},
     {"formats",
      {{"camera", {}},
@@ -131,7 +131,7 @@ bool is_room(const Place& place) {
   return place.room.empty() || (rooms != kRooms.end() && rooms->second.contains(place.room));
 }
 
-// `--camera FILE` of a process takes the calibrations of other tools.
+// True if code at the top of a folder includes the readers of calibrations, which a process needs for `--camera FILE`.
 bool reads_a_given_camera(const Place& from, const Place& to) {
   return from.room.empty() && to.folder == "formats" && to.room == "camera";
 }
@@ -153,7 +153,7 @@ std::string contents(const fs::path& file) {
   return text.str();
 }
 
-// All that is built, relative to the root.
+// Returns all files that are built, relative to the root.
 std::vector<fs::path> sources() {
   const fs::path root = RUMI_SOURCE_DIR;
   std::vector<fs::path> files;
@@ -189,7 +189,7 @@ TEST(Rooms, EveryFileIsInARoom) {
   for (const fs::path& file : files) EXPECT_TRUE(is_room(place_of(file))) << file << " is in a room that is not listed";
 }
 
-// The outermost namespace that a file opens, "" if it opens none.
+// Returns the outermost namespace that a file opens, "" if it opens none.
 std::string namespace_of(const std::string& text) {
   static const std::regex opened("(?:^|\n)namespace ([a-z_:]+) \\{\n(?!class|struct)");
   std::smatch found;
@@ -209,7 +209,7 @@ TEST(Rooms, AComponentIsANamespace) {
   }
 }
 
-// x_test.cpp stands in tests/ where x stands among the sources, if there is one x.
+// x_test.cpp must be in the folder of tests/ that mirrors the folder of x, if there is exactly one x among the sources.
 TEST(Rooms, TestsMirrorThem) {
   std::map<std::string, std::set<fs::path>> folders;  // by folder and stem
   for (const fs::path& file : sources())

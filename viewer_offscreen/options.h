@@ -9,10 +9,10 @@ namespace rumi::viewer_offscreen {
 
 struct ViewerOptions {
   std::string output;     // folder for trajectory.png and the series; empty: only VIEWER_IMAGE
-  double interval_s = 5;  // between pictures
-  bool camera = true;     // show its image
+  double interval_s = 5;  // time between two pictures
+  bool camera = true;     // show the camera's image
   bool series = false;    // keep every picture
-  // Go on with a series that was not ended: its process died, and was started again. Replay cannot be.
+  // Whether a series that was not ended (its process died) goes on after a new start. Replay sets it to false.
   bool series_goes_on = true;
 };
 

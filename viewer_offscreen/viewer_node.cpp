@@ -14,16 +14,16 @@
 #include "base/running/stage_clock.h"
 #include "base/this_process/process_name.h"
 #include "bus/wire/jpeg_image.h"
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "viewer_offscreen/picture/draw_map.h"
 
 namespace rumi::viewer_offscreen {
 namespace {
 
-constexpr int64_t kFetchUs = 1'000'000;  // a picture that is due waits so long for what is new
+constexpr int64_t kFetchUs = 1'000'000;  // time that a due picture waits for updates, at most
 constexpr int64_t kFinishTimeoutUs = 3'000'000;
-constexpr int kImagesWhileDrawing = 16;  // at 30 Hz half a second: a keyframe may be among them
+constexpr int kImagesWhileDrawing = 16;  // images that wait, half a second at 30 Hz: a keyframe may be among them
 constexpr double kVideoFps = 10;
 
 }  // namespace
@@ -61,7 +61,7 @@ void ViewerNode::on_map_status(const map_status_t& status) {
   if (copies_.take(status) && phase_ == Phase::kFinishing) since_finish_.take(status);
 }
 
-// A placed submap travels whole: no oftener than it is drawn.
+// A placed submap is sent whole, so it is requested no more often than it is drawn.
 void ViewerNode::request_missing(int64_t now_us) {
   const bool is_running = phase_ == Phase::kRunning;
   copies_.request_missing(now_us, is_running ? static_cast<int64_t>(options_.interval_s * 1e6) : 0);
@@ -82,7 +82,7 @@ void ViewerNode::tick(int64_t now_us) {
   if (last_draw_us_ == 0) last_draw_us_ = now_us;
   const int64_t interval_us = std::llround(options_.interval_s * 1e6);
   if (!changed_ || !is_due(now_us, last_draw_us_, interval_us)) return;
-  // What is new travels once for each picture, however often it changes in between.
+  // However often a submap changes between two pictures, it is requested only once for each picture.
   request_missing(now_us);
   if (!copies_.complete() && !is_due(now_us, last_draw_us_, interval_us + kFetchUs)) return;
   draw();
@@ -121,21 +121,21 @@ void ViewerNode::draw() {
     const cv::Mat image = renderer_->draw(make_scene(picture()));
     ++pictures_;
     bus_.publish(channels::kViewerImage, make_jpeg_image(last_utime_us_, image));
-    report(write(image));
-  } catch (const std::exception& e) {  // no OpenGL, no memory: the map is not ours to endanger
+    report(write(image).error_text());
+  } catch (const std::exception& e) {  // no OpenGL, or no memory: the process must go on
     report(e.what());
   }
-  malloc_trim(0);  // a picture, and the map that it was made of, are in many pieces of all sizes
+  malloc_trim(0);  // the picture, and the scene that it was made from, leave many free pieces of memory
   draw_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::string ViewerNode::write(const cv::Mat& image) {
+Result<> ViewerNode::write(const cv::Mat& image) {
   if (options_.output.empty()) return {};
-  const std::string error = write_png(image, (std::filesystem::path(options_.output) / "trajectory.png").string());
-  return series_ && error.empty() ? series_->add(image) : error;
+  Result<> written = write_png(image, (std::filesystem::path(options_.output) / "trajectory.png").string());
+  return series_ && written ? series_->add(image) : written;
 }
 
-// Said once when it begins and once when it is over, not with every picture.
+// Logs a problem when it begins and when it is over, not at every picture.
 void ViewerNode::report(const std::string& trouble) {
   if (trouble != trouble_) {
     if (trouble.empty())

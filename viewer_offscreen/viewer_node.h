@@ -20,12 +20,12 @@ namespace rumi::viewer_offscreen {
 
 class ViewerNode : public Node {
  public:
-  // Throws std::runtime_error for options that contradict each other.
+  // Throws std::runtime_error if options contradict each other.
   ViewerNode(Bus& bus, const ViewerOptions& options);
 
   void tick(int64_t now_us) override;
   NodeStatus status() override;
-  // Fetches what is still missing, for 3 s at most, and draws a last picture.
+  // Fetches what is still missing, for at most 3 s, and draws a last picture.
   void finish() override;
   std::string waits_for() const override { return phase_ == Phase::kFinished ? "" : "the last picture is not drawn"; }
 
@@ -38,7 +38,7 @@ class ViewerNode : public Node {
   void request_missing(int64_t now_us);
   MapPicture picture() const;
   void draw();
-  std::string write(const cv::Mat& image);
+  Result<> write(const cv::Mat& image);
   void report(const std::string& trouble);
 
   Bus& bus_;
@@ -49,7 +49,7 @@ class ViewerNode : public Node {
   std::optional<Renderer> renderer_;
   std::optional<PictureSeries> series_;
   CameraImages images_;
-  MapOverview since_finish_;  // what was told since then
+  MapOverview since_finish_;  // what map_server has reported since finish()
   FrameNotes frames_;
   std::optional<track_t> live_;
   bool changed_ = false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// fork and exec with nothing but async-signal-safe calls between them, because this process has threads (LCM's). Not
-// posix_spawn: it can set neither the niceness nor PR_SET_PDEATHSIG.
+// Only async-signal-safe calls stand between fork and exec, because this process has threads (LCM's). posix_spawn is no
+// alternative: it can set neither the niceness nor PR_SET_PDEATHSIG.
 #include "base/child/child_process.h"
 
 #include <fmt/format.h>
@@ -15,12 +15,13 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <string_view>
 
 namespace rumi {
 namespace {
 
-constexpr int kNotExecuted = 127;  // as a shell would say; the reason comes through the pipe
+constexpr int kNotExecuted = 127;  // exit code if exec fails, as of a shell; the errno comes through the pipe `failure`
 
 std::string error_text(int code) { return std::strerror(code); }
 
@@ -35,7 +36,7 @@ struct Pipe {
   }
 };
 
-// The file to execute, or nothing. A name with a slash is not searched for.
+// Returns the file to execute; nullopt if PATH has none. A name with a slash is a path and is not searched for.
 std::optional<std::string> find_program(const std::string& name) {
   if (name.find('/') != std::string::npos) return name;
   const char* variable = std::getenv("PATH");
@@ -51,7 +52,7 @@ std::optional<std::string> find_program(const std::string& name) {
   return std::nullopt;
 }
 
-// Ours, with `settings` (NAME=value) instead of what ours says of the same names.
+// Returns this process's environment, in which `settings` (NAME=value) replace the variables of the same names.
 std::vector<std::string> environment_with(const std::vector<std::string>& settings) {
   std::vector<std::string> all = settings;
   for (char** entry = environ; entry && *entry; ++entry) {
@@ -72,7 +73,7 @@ std::vector<char*> pointers(std::vector<std::string>& strings) {
   return list;
 }
 
-// All that the child needs, made before the fork: the child must not allocate.
+// Everything that the child needs, allocated before the fork: the child must not allocate.
 struct Prepared {
   std::string program;
   std::vector<std::string> arguments, environment;
@@ -86,26 +87,27 @@ struct Prepared {
   Pipe output, failure;
 };
 
-// Between fork and exec: async-signal-safe calls only.
+// Runs between fork and exec, where only async-signal-safe calls are allowed.
 [[noreturn]] void become_program(const Prepared& launch) {
   const auto give_up = [&](int reason) {
     [[maybe_unused]] const ssize_t written = write(launch.failure.write.get(), &reason, sizeof(reason));
     _exit(kNotExecuted);
   };
-  // What the parent ignores would stay ignored.
+  // Without this, signals that the parent ignores would stay ignored.
   struct sigaction standard {};
   standard.sa_handler = SIG_DFL;
   for (int signal = 1; signal < NSIG; ++signal) sigaction(signal, &standard, nullptr);
   sigprocmask(SIG_SETMASK, &launch.held_signals, nullptr);
 
   if (prctl(PR_SET_PDEATHSIG, launch.death_signal) != 0) give_up(errno);
-  if (getppid() != launch.parent) _exit(kNotExecuted);  // it died before that
+  if (getppid() != launch.parent) _exit(kNotExecuted);  // the parent died before prctl()
   if (setpgid(0, 0) != 0) give_up(errno);
-  setpriority(PRIO_PROCESS, 0, launch.nice);  // never lower than ours, so always granted
+  setpriority(PRIO_PROCESS, 0, launch.nice);  // never lower than the parent's, so always allowed
   if (dup2(launch.input.get(), STDIN_FILENO) < 0) give_up(errno);
   if (dup2(launch.output.write.get(), STDOUT_FILENO) < 0) give_up(errno);
   if (dup2(launch.output.write.get(), STDERR_FILENO) < 0) give_up(errno);
-  // Closed by exec: until then the pipe for failures is needed. Kernels before 5.11 do not know it.
+  // Lets exec close the other descriptors, because the pipe for failures is needed until then. Kernels before 5.11 do
+  // not know CLOSE_RANGE_CLOEXEC.
   if (close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC) != 0)
     for (int fd = STDERR_FILENO + 1; fd < launch.descriptor_limit; ++fd) fcntl(fd, F_SETFD, FD_CLOEXEC);
   execve(launch.program.c_str(), launch.argv.data(), launch.envp.data());
@@ -113,7 +115,7 @@ struct Prepared {
   _exit(kNotExecuted);
 }
 
-// Forks with all signals blocked: a signal meant for this process must not run its handlers in the child.
+// Blocks all signals while it forks: a signal for this process must not run its handlers in the child.
 pid_t fork_program(const Prepared& launch) {
   sigset_t all, before;
   sigfillset(&all);
@@ -126,7 +128,7 @@ pid_t fork_program(const Prepared& launch) {
   return child;
 }
 
-// Why the program could not be executed, 0 when it is running. Ends when exec has closed the pipe.
+// Returns the errno of the failed exec, or 0 if the program runs. Blocks until exec has closed the pipe.
 int execution_failure(const Pipe& failure) {
   int reason = 0;
   ssize_t count = 0;
@@ -135,12 +137,11 @@ int execution_failure(const Pipe& failure) {
   return count == sizeof(reason) ? reason : 0;
 }
 
-// What went wrong, or an empty string.
-std::string prepare(const ChildLaunch& wanted, Prepared* launch) {
-  if (wanted.arguments.empty() || wanted.arguments.front().empty()) return "no program is named";
+Result<> prepare(const ChildLaunch& wanted, Prepared* launch) {
+  if (wanted.arguments.empty() || wanted.arguments.front().empty()) return Error{"no program is named"};
   const std::string& name = wanted.arguments.front();
   const std::optional<std::string> program = find_program(name);
-  if (!program) return fmt::format("{}: not found in PATH; install it, or give its path", name);
+  if (!program) return Error{"not found in PATH", name, "install it, or give its path"};
   launch->program = *program;
   launch->arguments = wanted.arguments;
   launch->environment = environment_with(wanted.environment);
@@ -154,7 +155,7 @@ std::string prepare(const ChildLaunch& wanted, Prepared* launch) {
   launch->parent = getpid();
   launch->input = FileDescriptor(open("/dev/null", O_RDONLY | O_CLOEXEC));
   if (!launch->input.move_above_stdio() || !launch->output.open() || !launch->failure.open())
-    return fmt::format("{}: cannot be started: {}", name, error_text(errno));
+    return Error{"cannot be started: " + error_text(errno), name};
   return {};
 }
 
@@ -173,22 +174,17 @@ std::string ChildEnd::describe() const {
   return "ended, and another part of this process took its exit status (is SIGCHLD ignored?)";
 }
 
-std::optional<Child> Child::start(const ChildLaunch& launch, std::string* error) {
+Result<Child> Child::start(const ChildLaunch& launch) {
   Prepared prepared;
-  *error = prepare(launch, &prepared);
-  if (!error->empty()) return std::nullopt;
+  if (const Result<> ready = prepare(launch, &prepared); !ready) return ready.error();
   const pid_t pid = fork_program(prepared);
-  if (pid < 0) {
-    *error = fmt::format("{}: cannot be started: {}", launch.arguments.front(), error_text(errno));
-    return std::nullopt;
-  }
+  if (pid < 0) return Error{"cannot be started: " + error_text(errno), launch.arguments.front()};
   prepared.failure.write.reset();
   prepared.output.write.reset();
   Child child(pid, std::move(prepared.output.read));
   if (const int reason = execution_failure(prepared.failure); reason != 0) {
     child.reap();
-    *error = fmt::format("{}: cannot be executed: {}", prepared.program, error_text(reason));
-    return std::nullopt;
+    return Error{"cannot be executed: " + error_text(reason), prepared.program};
   }
   fcntl(child.output(), F_SETFL, O_NONBLOCK);
   return child;

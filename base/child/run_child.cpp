@@ -23,23 +23,24 @@ using Clock = std::chrono::steady_clock;
 using Outcome = ChildResult::Outcome;
 
 constexpr size_t kLastOutputBytes = 16384;
-constexpr int kPollMs = 20;       // how soon `cancel` is seen
-constexpr double kGraceS = 1;     // from SIGTERM to SIGKILL
-constexpr int kLastBuffers = 16;  // read after its end; not more: a process that left the group may write for ever
+constexpr int kPollMs = 20;       // how soon `cancel` is noticed, at the latest
+constexpr double kGraceS = 1;     // time from SIGTERM to SIGKILL
+constexpr int kLastBuffers = 16;  // buffers read after the child's end, at most: a process that left the group may
+                                  // write for ever
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// What the child says: the beginning goes into the log, the end is remembered.
+// Reads the child's output, writes its beginning to the log and keeps its end.
 class Output {
  public:
   Output(Child* child, FileDescriptor log, const ChildCommand& command)
       : child_(child), log_(std::move(log)), log_left_(command.log_limit_bytes), on_output_(command.on_output) {}
-  // Takes at most one buffer, so that a child that never pauses cannot keep us from looking at the clock. False: there
-  // was nothing to take.
+  // Reads at most one buffer, so that a child that never pauses cannot keep supervise() from looking at the clock.
+  // Returns false if there was nothing to read.
   bool take() {
     std::array<char, 65536> buffer;  // as much as a pipe holds
     const ssize_t count = read(child_->output(), buffer.data(), buffer.size());
-    if (count == 0) child_->close_output();  // closed by the child, which may live on
+    if (count == 0) child_->close_output();  // closed by the child, which may go on running
     if (count <= 0) return false;
     const std::string_view text(buffer.data(), static_cast<size_t>(count));
     log(text);
@@ -58,7 +59,7 @@ class Output {
     write_log(text.substr(0, kept));
     if (log_left_ == 0) write_log("\n[the rest is left out: the log has reached its size limit]\n");
   }
-  // A log that cannot be written (disk full) is no reason to stop the child.
+  // Stops logging if the log cannot be written (disk full): that is no reason to stop the child.
   void write_log(std::string_view text) {
     while (log_.get() >= 0 && !text.empty()) {
       const ssize_t count = write(log_.get(), text.data(), text.size());
@@ -74,7 +75,7 @@ class Output {
   std::string last_;
 };
 
-// 0 when it has ended.
+// Returns the CPU seconds that the process has used so far, or 0 if it has ended.
 double cpu_s_of(pid_t child) {
   clockid_t clock{};
   timespec time{};
@@ -82,7 +83,7 @@ double cpu_s_of(pid_t child) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// How long the child has done nothing.
+// Measures how long the child has printed nothing and used hardly any CPU time.
 class Idleness {
  public:
   explicit Idleness(Clock::time_point now) : since_(now) {}
@@ -95,16 +96,17 @@ class Idleness {
   }
 
  private:
-  static constexpr double kSignOfLifeS = 0.05;  // of CPU time; a window that waits to be closed uses less
+  static constexpr double kSignOfLifeS = 0.05;  // CPU time that counts as work; a window that waits to be closed uses
+                                                // less
   Clock::time_point since_;
   double cpu_s_ = 0;
 };
 
-// Waits for the child's end, and brings it about when the time is up or `cancel` is set.
+// Waits until the child ends, and ends it when a limit is reached or `cancel` is set.
 Outcome supervise(const Child& child, const ChildCommand& command, const std::atomic<bool>& cancel, Output* output,
                   bool* was_idle) {
   const Clock::time_point start = Clock::now();
-  // -1 on a kernel before 5.3: then the end is seen at the next poll.
+  // This is -1 on a kernel before 5.3: then the child's end is noticed by the next poll.
   const FileDescriptor end(static_cast<int>(syscall(SYS_pidfd_open, child.pid(), 0)));
   Outcome outcome = Outcome::kExited;
   Idleness idleness(start);
@@ -189,9 +191,8 @@ ChildResult run_child(const ChildCommand& command, const std::atomic<bool>& canc
       return not_started(fmt::format("{}: {}", command.log_file, std::strerror(errno)));
   }
   const Clock::time_point start = Clock::now();
-  std::string error;
-  std::optional<Child> child = Child::start(launch_of(command), &error);
-  if (!child) return not_started(error);
+  Result<Child> child = Child::start(launch_of(command));
+  if (!child) return not_started(child.error_text());
   Output output(&*child, std::move(log), command);
   result.outcome = supervise(*child, command, cancel, &output, &result.was_idle);
   note_end(child->reap(), &result);

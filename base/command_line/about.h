@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What --version says. Not in the library of the folder: with every commit, whoever calls this is linked anew.
+// The text of --version. It is not in this folder's library: each commit would relink every program that uses the
+// library.
 #pragma once
 
 #include <string>
 
 namespace rumi {
 
-// That of the sources, "1a8568d" or "1a8568d+changes"; written by cmake/WriteCommit.cmake.
+// The commit that was built, "1a8568d" or "1a8568d+changes"; written by cmake/WriteCommit.cmake.
 extern const char* const kCommit;
 
-// "camera_driver 0.2.0" and the commit, a line each.
+// Returns "camera_driver 0.2.0" and the commit, on a line each.
 std::string about(const std::string& program);
 
 }  // namespace rumi

@@ -26,7 +26,7 @@ Flag& Flag::envname(const std::string& name) { return option_->envname(name), *t
 Flag& Flag::one_each() { return option_->allow_extra_args(false), *this; }
 namespace {
 
-// Refuses what is no number, or not in the range, NaN too.
+// Refuses text that is not a number or not in the range. NaN is in no range.
 template <class IsRight>
 CLI::Validator number(const std::string& range, const IsRight& is_right) {
   return {[range, is_right](const std::string& text) {
@@ -147,7 +147,7 @@ std::string no_such(const std::string& what, const std::string& word, const std:
   return fmt::format("{}: there is no such {}{}", word, what, similar.empty() ? "" : "; did you mean " + similar + "?");
 }
 
-// What the library says of the rest is plain enough.
+// Puts some of CLI11's messages into plain words; the others are plain enough.
 std::string reason_of(const CLI::ParseError& error) {
   std::string text = error.what();
   constexpr const char* kNotConverted = "Could not convert: ";
@@ -158,7 +158,7 @@ std::string reason_of(const CLI::ParseError& error) {
   return text;
 }
 
-// "-every": the library takes it for five flags of a letter.
+// CLI11 takes "-every" for five flags of one letter each: this suggests "--every".
 std::string no_such_flag(const std::string& flag, const std::vector<std::string>& known) {
   if (flag.starts_with("--") || flag.size() == 2) return no_such("flag", flag, known);
   const std::string similar = similar_word("-" + flag, known);
@@ -167,7 +167,8 @@ std::string no_such_flag(const std::string& flag, const std::vector<std::string>
 
 }  // namespace
 
-// What is wrong is most often a word that is spelt wrong, whatever else then is missing. Nothing where it is not.
+// Returns a message about the first misspelt flag or command: that is the usual cause, even if CLI11 says that
+// something is missing. Returns an empty string if no word is misspelt.
 std::string CommandLine::misspelt(int argc, char** argv) const {
   const CLI::App* app = app_;
   std::vector<std::string> known, commands;
@@ -190,7 +191,7 @@ std::string CommandLine::misspelt(int argc, char** argv) const {
     }
     const std::string flag = word.substr(0, word.find('='));
     const bool is_long = flag.starts_with("--");
-    const std::string name = is_long ? flag : flag.substr(0, 2);  // -l URL, -lURL
+    const std::string name = is_long ? flag : flag.substr(0, 2);  // "-l" if the word is "-lURL"
     if (std::find(known.begin(), known.end(), name) == known.end()) return no_such_flag(flag, known);
   }
   return {};
@@ -202,7 +203,7 @@ CommandLine::Result CommandLine::parse(int argc, char** argv) {
   } catch (const CLI::Success& e) {
     std::ostringstream text;
     app_->exit(e, text);
-    fmt::print("{}", text.str());  // which tells why it cannot be written
+    fmt::print("{}", text.str());  // throws with the reason if it cannot be written
     return {.done = true, .error = ""};
   } catch (const CLI::ParseError& e) {
     const std::string word = misspelt(argc, argv);

@@ -21,13 +21,13 @@
 namespace rumi {
 namespace {
 
-constexpr size_t kHelpColumn = 46;    // where the help text starts
-constexpr size_t kMostLetters = 100;  // of a key in a message
+constexpr size_t kHelpColumn = 46;    // column at which the help text begins
+constexpr size_t kMostLetters = 100;  // letters of a key that a message shows, at most
 
-// One file is for all processes, each of which knows its own sections only.
+// Sections that any process has. All processes share one file, and each skips the sections of the others.
 const std::set<std::string> kSectionsOfAll = {"up",        "camera_driver", "image",           "front_tracker",
                                               "ruminator", "map_server",    "viewer_offscreen"};
-// At the top of the calibration of a camera.
+// A camera's calibration has one of these keys at its top level; used to recognize one that was given as options.
 const std::set<std::string> kKeysOfCalibrations = {
     "fx", "camera_matrix", "image_width", "intrinsics", "resolution", "model_type", "model", "cam0", "Camera"};
 
@@ -37,8 +37,8 @@ std::string shortened(const std::string& key) {
   return fmt::format("{}{}", key.substr(0, kMostLetters), key.size() > kMostLetters ? "..." : "");
 }
 
-// As YAML reads it back. YAML::Emitter would put other bytes for those that are no UTF-8, and then a name from a disk
-// of an old Windows names nothing.
+// Quotes text so that YAML reads it back. YAML::Emitter would replace bytes that are not UTF-8, and a file name with
+// such bytes (from an old Windows disk) would no longer name its file.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -64,7 +64,7 @@ std::string value_text(const std::variant<int*, double*, bool*, std::string*>& f
 
 std::string name_of(const std::string& key) { return key.substr(key.rfind('.') + 1); }
 
-// The key of the same name in another section, else the one that is spelt most like it; empty if none is.
+// Returns the key with the same name in another section, or else the most similar key; empty if none is similar.
 std::string key_meant_by(const std::string& key, const std::vector<std::string>& keys) {
   std::vector<std::string> names;
   names.reserve(keys.size());
@@ -90,7 +90,7 @@ struct FlatValue {
   int line = 0;
 };
 
-// By an anchor a group may hold itself, and a few lines be a billion.
+// Limits the size of a YAML file: with anchors a group can contain itself, or a few lines expand to a billion nodes.
 struct Extent {
   static constexpr int kDeepest = 50;
   static constexpr int kMostNodes = 100'000;
@@ -98,7 +98,7 @@ struct Extent {
   bool is_too_large() const { return depth > kDeepest || nodes > kMostNodes; }
 };
 
-// a: {b: {c: 1}} -> a.b.c = 1. Returns what is wrong, or an empty string.
+// Flattens groups: a: {b: {c: 1}} -> a.b.c = 1. Returns an error message, or an empty string.
 std::string flatten(const YAML::Node& node, const std::string& key, Extent* extent, std::vector<FlatValue>* out) {
   const int line = node.Mark().line + 1;
   ++extent->nodes;
@@ -116,7 +116,7 @@ std::string flatten(const YAML::Node& node, const std::string& key, Extent* exte
     return "";
   }
   if (key.empty()) return fmt::format("line {}: expected `section:` with `name: value` lines below it", line);
-  // A list is only a fault where the key is ours.
+  // A list becomes an empty text: it is an error only if an option of this table does not accept that.
   out->push_back({key, node.IsScalar() ? node.Scalar() : std::string(), node.IsNull(), line});
   return "";
 }
@@ -239,7 +239,7 @@ std::string OptionTable::load_yaml(const std::string& file) {
   std::ifstream stream(file);
   std::stringstream text;
   if (stream) text << stream.rdbuf();
-  // An empty file sets failbit on `text`, a folder errno on reading.
+  // Asks errno, because an empty file sets failbit of `text` too, and a folder can be opened like a file.
   if (!stream.is_open() || errno != 0)
     return fmt::format("{}: cannot be read ({}): give the YAML file of the options", file, std::strerror(errno));
   return load_yaml_text(text.str(), file);
@@ -271,7 +271,7 @@ std::string OptionTable::load_yaml_text(const std::string& text, const std::stri
       std::string problem = entry    ? assign(*entry, value.text, apply)
                             : is_own ? unknown(value.key)
                                      : unknown_section(value.key);
-      // An empty section (`map_server:` with all its lines commented out) says nothing and harms nothing.
+      // An empty section (`map_server:` whose lines are all commented out) changes nothing and is no error.
       if (value.is_empty && sections.contains(value.key)) problem.clear();
       if (problem.empty() && !apply && !seen.insert(value.key).second) problem = value.key + ": given twice";
       if (!problem.empty()) return fmt::format("{}:{}: {}", name_for_errors, value.line, problem);
@@ -335,7 +335,7 @@ std::string OptionTable::to_yaml(Which which) const {
       if (section_of(entry.key) != section || !is_meant(entry, which)) continue;
       if (which == Which::kExperts && entry.group != group) text += fmt::format("  # {}\n", entry.group);
       group = entry.group;
-      // What is below the section may have dots of its own; load_yaml puts the key together again.
+      // The part of the key behind the section may contain dots; load_yaml() accepts that.
       const std::string name = entry.key.substr(section.size() + 1);
       text += fmt::format("{:<{}} # {}\n", fmt::format("  {}: {}", name, value_text(entry.fields.front())), kHelpColumn,
                           describe(entry));

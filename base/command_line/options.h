@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Named options with default, unit, range and help: read from YAML, changed by --set key=value, printed by --help.
+// Named options with default, unit, range and help. They are read from YAML, set by --set key=value, shown by --help.
 //
 //   void describe(OptionTable& table, TrackerOptions& o) {
 //     table.add("front_tracker.keypoints", &o.keypoints, "", "keypoints per frame", 50, 20000);
@@ -15,9 +15,9 @@ namespace rumi {
 
 class OptionTable {
  public:
-  // key is "section.name"; the value that *field has now is the default. The field must outlive the table. Numbers
-  // outside [min, max] and NaN are refused. unit is "px", "s", "frames", ... or "". A key that is added again, all
-  // alike, has one more field: what two components must have the same.
+  // `key` is "section.name". The default is the value that *field has now. The field must outlive the table. Numbers
+  // outside [min, max] and NaN are refused. `unit` is "px", "s", "frames", ... or "". A key may be added again with the
+  // same default, range and help: then its value goes into both fields, as for an option that two components share.
   void add(const std::string& key, int* field, const std::string& unit, const std::string& help, int min, int max);
   void add(const std::string& key, double* field, const std::string& unit, const std::string& help, double min,
            double max);
@@ -25,25 +25,26 @@ class OptionTable {
   void add(const std::string& key, std::string* field, const std::string& help,
            const std::vector<std::string>& choices = {});
 
-  // What is added from now on belongs to this room of the section: a heading in the YAML of experts.
+  // Options that are added from now on belong to this group, which is a heading within the section in the experts'
+  // YAML.
   void group(const std::string& room) { group_ = room; }
-  // What a user sets; all others are for experts, who tune or try out. Throws for a key that was not added.
+  // Marks the options that users need; all others are for experts, who tune Rumi. Throws if a key was not added.
   void for_users(const std::vector<std::string>& keys);
 
-  // All return an empty string, or what is wrong: file, key, value and what would be right (the nearest key for an
-  // unknown one). Nothing is changed by a file that has an error. Sections of other processes are accepted; those of
-  // none, and unknown keys in a section of this table, are not.
+  // load_yaml(), load_yaml_text() and set() return an empty string, or an error message: file, key, value and what
+  // would be right (the nearest key for an unknown one). A file with an error changes nothing. Sections of other
+  // processes are skipped; a section that no process has, or an unknown key in a section of this table, is an error.
   std::string load_yaml(const std::string& file);
   std::string load_yaml_text(const std::string& text, const std::string& name_for_errors);
-  // "KEY=VALUE", or what by_flag() made.
+  // `setting` is "KEY=VALUE", or a result of by_flag().
   std::string set(const std::string& setting);
-  // All fields have their defaults again.
+  // Sets all fields to their defaults.
   void reset();
 
   enum class Which { kUsers, kExperts, kAll };
-  // One line per option: key, default, unit, range, help.
+  // Returns one line per option: key, default, unit, range, help.
   std::string help(Which which) const;
-  // The present values as YAML with the help as comments; load_yaml reads it back.
+  // Returns the present values as YAML, with the help as comments. load_yaml() can read it.
   std::string to_yaml(Which which) const;
 
  private:
@@ -53,8 +54,8 @@ class OptionTable {
     std::vector<Field> fields;  // all have the same value
     double min = 0, max = 0;
     std::vector<std::string> choices;
-    std::string default_text;  // for a person
-    std::string initial;       // the same as assign() reads it
+    std::string default_text;  // the default as shown to a person (text in quotes)
+    std::string initial;       // the default as assign() reads it (text without quotes)
     std::string group;
     bool is_for_users = false;
   };
@@ -71,10 +72,11 @@ class OptionTable {
   std::string group_;
 };
 
-// The setting that a flag of its own ("--every") gives; what is wrong with it is told by the flag's name.
+// Returns a setting for set() whose value comes from a flag ("--every") and not from --set: errors name that flag.
 std::string by_flag(const std::string& flag, const std::string& key, const std::string& value);
 
-// Fills the table's fields from a file (may be empty) and from settings, see set(). Returns what is wrong, or nothing.
+// Sets the table's options from a file (may be empty) and then from settings (see set()). Returns an error message, or
+// an empty string.
 std::string load_options(OptionTable& table, const std::string& config_file, const std::vector<std::string>& settings);
 
 }  // namespace rumi

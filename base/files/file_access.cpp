@@ -19,7 +19,7 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(path, code);
 }
 
-// The outermost folder on the way to `path` that may not be entered; empty if there is none.
+// Returns the outermost folder on the way to `path` that may not be entered; empty if all may.
 fs::path closed_folder(const fs::path& path) {
   fs::path folder;
   for (const fs::path& part : fs::absolute(path).parent_path()) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Why a file of the user cannot be read. std::filesystem and streams take what is behind a closed folder for missing.
+// Says why a file that the user named cannot be read. std::filesystem and streams report a file in a folder that may
+// not be entered as missing.
 #pragma once
 
 #include <filesystem>
@@ -7,16 +8,17 @@
 
 namespace rumi {
 
-// "no such file or folder", "no permission to read it ...", "no permission to enter the folder ...": for a person, to
-// be put behind the name and a colon. Empty if it is there and can be read (a folder: listed and entered).
-// `remedy` is added where it is missing.
+// Returns why the path cannot be read, to be put behind its name and a colon: "no such file or folder", "no permission
+// to read it ...", "no permission to enter the folder ...". Returns an empty string if it can be read (a folder: listed
+// and entered). `remedy` is appended if the path does not exist.
 std::string why_unreadable(const std::filesystem::path& path, const std::string& remedy = {});
 
-// Whether something of that name is there, or may be there, in a folder that may not be entered: reading it tells.
+// True if the path exists, or may exist in a folder that may not be entered: then reading it tells the reason.
 bool may_be_there(const std::filesystem::path& path);
 
-// "; /srv belongs to root (uid 0), and this is anna (uid 1000)": to be put behind the reason for which `path` cannot be
-// made or written. Of its folder where it is not there. Empty where it belongs to who runs this.
+// Returns a note on the owner of `path` (of its folder if it does not exist), to be put behind the reason why it cannot
+// be written: "; /srv belongs to root (uid 0), and this is anna (uid 1000)". Returns an empty string if the owner is
+// the user of this process.
 std::string note_on_owner(const std::filesystem::path& path);
 
 }  // namespace rumi

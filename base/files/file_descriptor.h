@@ -8,7 +8,7 @@
 
 namespace rumi {
 
-// A file descriptor that is closed with its owner; -1: none.
+// Owns a file descriptor and closes it in the destructor; -1 if it has none.
 class FileDescriptor {
  public:
   FileDescriptor() = default;
@@ -25,8 +25,8 @@ class FileDescriptor {
     if (fd_ >= 0) close(fd_);
     fd_ = -1;
   }
-  // In a process that was started without stdin or stdout, a new descriptor may be one of 0 to 2, which the child
-  // replaces.
+  // Makes sure that the descriptor is above 2. If the process was started without stdin or stdout, a new descriptor may
+  // be one of 0 to 2, which a child replaces. Returns false if there is no descriptor or it cannot be duplicated.
   bool move_above_stdio() {
     if (fd_ < 0 || fd_ > STDERR_FILENO) return fd_ >= 0;
     FileDescriptor moved(fcntl(fd_, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));

@@ -9,7 +9,8 @@
 namespace rumi {
 namespace {
 
-// Who held the lock may have removed the file after this process had opened it: that one is nobody's any more.
+// True if `file` still names the opened file. The previous holder may have removed that one after this process opened
+// it: a lock on a removed file excludes nobody.
 bool is_still_there(int fd, const std::string& file) {
   struct stat ours {
   }, there{};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one process at a time may do, tied to a file (flock). The kernel gives it back when the process ends, however it
-// ends.
+// A lock on a file (flock) that one process at a time can hold. The kernel releases it when the process ends, however
+// it ends.
 #pragma once
 
 #include <optional>
@@ -12,10 +12,10 @@ namespace rumi {
 
 class FileLock {
  public:
-  // Makes the file where it is missing. Nothing if another process holds it, or if it cannot be made: errno says which
-  // (EWOULDBLOCK: held).
+  // Creates the file if it does not exist. Returns nullopt if another process holds the lock (errno is EWOULDBLOCK) or
+  // the file cannot be created.
   static std::optional<FileLock> take(const std::string& file);
-  // Writes the pid into the file, for people. On a full disk the lock holds without it.
+  // Writes the pid into the file, for people. If the disk is full, nothing is written and the lock still holds.
   void sign() const;
 
  private:
@@ -23,7 +23,8 @@ class FileLock {
   FileDescriptor file_;
 };
 
-// The pid that the holder of the lock has written, "unknown" if it has not; nothing if nobody holds it.
+// Returns the pid that the holder of the lock has written, "unknown" if it has written none; nullopt if nobody holds
+// it.
 std::optional<std::string> holder_of_lock(const std::string& file);
 
 }  // namespace rumi

@@ -21,9 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uintmax_t kRoomBytes = 64'000'000;  // COLMAP's database of a window and its models
+constexpr uintmax_t kRoomBytes = 64'000'000;  // enough for COLMAP's database and models of a window
 
-// What nobody knows counts as none.
+// Returns 0 if the free space cannot be determined.
 uintmax_t free_bytes(const std::string& folder) { return free_space(folder).value_or(0); }
 
 std::string why_not_chosen(const std::string& folder) {

@@ -5,13 +5,13 @@
 
 namespace rumi {
 
-// Why nothing can be put into the folder ("is not there", "cannot be written to: Read-only file system"), or an empty
-// string.
+// Returns why nothing can be put into the folder ("is not there", "cannot be written to: Read-only file system"), or an
+// empty string.
 std::string why_unusable(const std::string& folder);
 
-// A folder for temporary files: TMPDIR, /tmp, /var/tmp, `also` (such as that of a run's outputs) or the present one,
-// whichever is there, can be written to and has room. Where TMPDIR is set and is not it, the log tells why, once.
-// Throws std::runtime_error where none will do.
+// Chooses a folder for temporary files from TMPDIR, /tmp, /var/tmp, `also` (such as the output folder of a run) and the
+// present one: the first that can be written to and has 64 MB free, or else the one with the most free space. If TMPDIR
+// is set and not chosen, the log tells why, once. Throws std::runtime_error if none can be used.
 std::string scratch_folder(const std::string& also = {});
 
 }  // namespace rumi

@@ -42,12 +42,14 @@ void Database::copy_from(Database& other) {
   const int step = sqlite3_backup_step(backup, -1);
   const int end = sqlite3_backup_finish(backup);
   if (end != SQLITE_OK) fail(end);
-  // To SQLite a busy database is no failure of the backup, which might go on later: only the step says so.
+  // SQLite does not count a busy database as a failure, because the backup could go on later. So only the step's code
+  // says that the copy is not complete.
   if (step != SQLITE_DONE) throw SqliteError(step & 0xff, sqlite3_errstr(step));
 }
 
 void Database::fail(int code) const {
-  // "disk I/O error" hides why, and where it rolled back meanwhile SQLite does not know any more.
+  // SQLite only says "disk I/O error", and forgets the errno if it rolls back. Then a limit of file sizes is the likely
+  // cause.
   if ((code & 0xff) == SQLITE_IOERR) {
     const int reason = sqlite3_system_errno(db_);
     if (reason != 0 || may_be_too_large()) throw SqliteError(code & 0xff, write_error_text(reason ? reason : EFBIG));
@@ -117,7 +119,7 @@ void Statement::bind_one(int index, std::span<const uint8_t> value) {
 Transaction::Transaction(Database& database) : database_(database) { database_.execute("BEGIN IMMEDIATE"); }
 
 Transaction::~Transaction() {
-  // A full disk ends the transaction by itself; then there is nothing to roll back.
+  // On a full disk SQLite ends the transaction by itself; then there is nothing to roll back.
   if (sqlite3_get_autocommit(database_.handle()) == 0)
     sqlite3_exec(database_.handle(), "ROLLBACK", nullptr, nullptr, nullptr);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// SQLite's C interface with owners: what fails throws SqliteError, for the caller to turn into a message for the user.
+// SQLite's C interface as classes that own their handles. Failures throw SqliteError; callers turn it into a message
+// for the user.
 #pragma once
 
 #include <sqlite3.h>
@@ -26,15 +27,15 @@ class SqliteError : public std::runtime_error {
 class Database {
  public:
   Database() = default;
-  // Opens or creates. ":memory:" is a database of its own that ends with the object.
+  // Opens the file, or creates it. ":memory:" is a database in memory that ends with the object.
   explicit Database(const std::string& file);
-  // Opens what there is, for reading if it may not be written.
+  // Opens an existing file; read-only if it may not be written.
   static Database open_existing(const std::string& file);
-  // Opens what there is, for reading only.
+  // Opens an existing file read-only.
   static Database open_to_read(const std::string& file);
-  // So long whoever else has the file locked is waited for; without this, not at all.
+  // Sets how long to wait if other processes have locked the file; by default not at all.
   void wait_for_others(std::chrono::milliseconds time);
-  // All of the other one, instead of what is here. Waits as the other one does.
+  // Replaces all contents by those of `other`. Waits for locks as long as `other` does.
   void copy_from(Database& other);
   ~Database();
   Database(Database&& other) noexcept;
@@ -42,7 +43,7 @@ class Database {
 
   sqlite3* handle() const { return db_; }
   void execute(const std::string& sql);
-  int64_t integer(const std::string& sql);  // first column of the first row, 0 without a row
+  int64_t integer(const std::string& sql);  // returns the first column of the first row, 0 if there is no row
   std::string text(const std::string& sql);
   [[noreturn]] void fail(int code) const;
 
@@ -69,8 +70,8 @@ class Statement {
     (bind_one(++index, args), ...);
     return *this;
   }
-  bool step();  // true: there is a row
-  void run();   // to the end, then ready for the next bind()
+  bool step();  // true: it has reached a row; false: there are no more
+  void run();   // executes to the end; then the statement is ready for the next bind()
 
   int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
   double real(int column) const { return sqlite3_column_double(statement_, column); }
@@ -81,7 +82,7 @@ class Statement {
   void bind_one(int index, int value) { bind_one(index, static_cast<int64_t>(value)); }
   void bind_one(int index, bool value) { bind_one(index, static_cast<int64_t>(value)); }
   void bind_one(int index, double value);
-  void bind_one(int index, const std::optional<double>& value);  // nothing: NULL
+  void bind_one(int index, const std::optional<double>& value);  // nullopt: NULL
   void bind_one(int index, const std::string& value);
   void bind_one(int index, std::span<const uint8_t> value);
   void check(int code) const;

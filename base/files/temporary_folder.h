@@ -6,10 +6,10 @@
 
 namespace rumi {
 
-// A new folder, which goes, with all that is in it, when this ends.
+// Creates a folder, and removes it with all its contents in the destructor.
 class TemporaryFolder {
  public:
-  // In `parent`, with a name that begins with `prefix`. Throws std::runtime_error where it cannot be made.
+  // Creates the folder in `parent`; its name begins with `prefix`. Throws std::runtime_error if that fails.
   TemporaryFolder(const std::filesystem::path& parent, const std::string& prefix);
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;

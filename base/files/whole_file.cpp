@@ -24,8 +24,8 @@ bool sync_path(const std::string& path, int flags) {
   return ok;
 }
 
-std::string problem_with(const std::string& file) {
-  return fmt::format("cannot write {}: {}", file, write_error_text(errno));
+Error write_error(const std::string& file) {
+  return {fmt::format("cannot write {}: {}", file, write_error_text(errno))};
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ WholeFile::~WholeFile() {
 }
 
 void WholeFile::note_error() {
-  if (problem_.empty()) problem_ = problem_with(file_);
+  if (so_far_) so_far_ = write_error(file_);
 }
 
 void WholeFile::write(std::string_view bytes) {
@@ -55,25 +55,25 @@ void WholeFile::overwrite(int64_t at, std::string_view bytes) {
   if (stream_ && fseeko(stream_, 0, SEEK_END) != 0) note_error();
 }
 
-std::string WholeFile::commit() {
-  if (!stream_) return problem_;
+Result<> WholeFile::commit() {
+  if (!stream_) return so_far_;
   if (std::fclose(stream_) != 0) note_error();
   stream_ = nullptr;
-  if (problem_.empty()) return problem_ = commit_file(temporary_, file_);
+  if (so_far_) return so_far_ = commit_file(temporary_, file_);
   std::remove(temporary_.c_str());
-  return problem_;
+  return so_far_;
 }
 
 std::string temporary_name(const std::string& file) {
   return fmt::format("{}.{}.tmp", file, unique_process_name("rumi"));
 }
 
-std::string commit_file(const std::string& temporary, const std::string& file) {
+Result<> commit_file(const std::string& temporary, const std::string& file) {
   const std::string folder = std::filesystem::path(file).parent_path().string();
   const bool ok = sync_path(temporary, O_RDWR) && std::rename(temporary.c_str(), file.c_str()) == 0 &&
                   sync_path(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
-  if (ok) return "";
-  std::string error = problem_with(file);
+  if (ok) return {};
+  Error error = write_error(file);
   std::remove(temporary.c_str());
   return error;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A file that appears whole or not at all, and survives a power cut once it is there: written under a temporary name
-// beside it, renamed at the end.
+// A file that appears complete or not at all, and survives a power cut once it is there. It is written under a
+// temporary name in the same folder and renamed at the end.
 #pragma once
 
 #include <cstdint>
@@ -8,38 +8,41 @@
 #include <string>
 #include <string_view>
 
+#include "base/result.h"
+
 namespace rumi {
 
 class WholeFile {
  public:
   explicit WholeFile(const std::string& file);
-  ~WholeFile();  // without commit() nothing remains
+  ~WholeFile();  // without commit() no file remains
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
 
-  // Errors are kept for commit().
+  // If it fails, commit() returns the Error.
   void write(std::string_view bytes);
-  // What was written there before; write() goes on at the end.
+  // Replaces bytes that were written before. The next write() appends at the end again.
   void overwrite(int64_t at, std::string_view bytes);
   template <class T>
-  void write_value(const T& value) {  // as it lies in memory (little endian)
+  void write_value(const T& value) {  // writes it as it is in memory (little endian)
     write({reinterpret_cast<const char*>(&value), sizeof(value)});
   }
-  // Empty, or the name of the file and why it could not be written.
-  std::string commit();
-  const std::string& problem() const { return problem_; }  // so far, as commit() would tell it
+  // Brings the file to the disk and renames it. An Error names the file and the first failure since it was opened.
+  Result<> commit();
+  const Result<>& so_far() const { return so_far_; }  // the result of commit() if nothing else fails
 
  private:
   void note_error();
 
-  std::string file_, temporary_, problem_;
+  std::string file_, temporary_;
+  Result<> so_far_;
   std::FILE* stream_ = nullptr;
 };
 
-// For those who cannot write through WholeFile: a name beside `file` that no other process writes to ...
+// Returns an unused name beside `file`, for writers that cannot use WholeFile. They end with commit_file().
 std::string temporary_name(const std::string& file);
-// ... and the end of it: brings the finished temporary file to the disk and gives it its name. Returns what went wrong
-// (then the temporary file is gone), or an empty string.
-std::string commit_file(const std::string& temporary, const std::string& file);
+// Brings the finished temporary file to the disk and renames it to `file`. If it returns an Error, it has removed the
+// temporary file.
+Result<> commit_file(const std::string& temporary, const std::string& file);
 
 }  // namespace rumi

@@ -17,8 +17,9 @@ namespace {
 
 constexpr int64_t kLogPeriodUs = 60'000'000;
 
-// "OpenCV(4.6.0) ./modules/core/src/alloc.cpp:73: error: (-4:Insufficient memory) Failed to allocate 12 bytes in
-// function 'OutOfMemoryError'": what stands after the second bracket, without the function.
+// Takes the reason out of OpenCV's text: what stands behind the second bracket, without the function. "OpenCV(4.6.0)
+// ./modules/core/src/alloc.cpp:73: error: (-4:Insufficient memory) Failed to allocate 12 bytes in function
+// 'OutOfMemoryError'".
 std::string opencv_reason(const std::string& text) {
   const size_t error = text.find("error: (");
   const size_t begin = error == std::string::npos ? error : text.find(") ", error);
@@ -28,7 +29,7 @@ std::string opencv_reason(const std::string& text) {
   return "OpenCV cannot work on an image: " + reason;
 }
 
-// "[json.exception.type_error.316] invalid UTF-8 byte at index 1: 0xFC".
+// Replaces the prefix in "[json.exception.type_error.316] invalid UTF-8 byte at index 1: 0xFC".
 std::string json_reason(const std::string& text) {
   const size_t end = text.find("] ");
   return end == std::string::npos ? text : "JSON that cannot be read or written: " + text.substr(end + 2);
@@ -41,7 +42,7 @@ std::string file_reason(const std::filesystem::filesystem_error& error) {
   return files.empty() ? reason : fmt::format("{}: {}", files, reason);
 }
 
-// What libfmt says of any file that it prints to: "cannot write to file: No space left on device".
+// libfmt's text for any file that it cannot print to: "cannot write to file: No space left on device".
 constexpr const char* kNotPrinted = "cannot write to file: ";
 
 }  // namespace
@@ -56,7 +57,7 @@ std::string reason_of(const std::exception& thrown) {
   if (text.starts_with(kNotPrinted)) return "cannot write: " + text.substr(std::strlen(kNotPrinted));
   if (text.starts_with("[json.exception.")) return json_reason(text);
   if (text.starts_with("OpenCV(")) return opencv_reason(text);
-  if (text.starts_with("pthread_create has failed")) return no_thread_text();  // TBB, for OpenCV
+  if (text.starts_with("pthread_create has failed")) return no_thread_text();  // from TBB, which OpenCV uses
   return text.empty() ? "no reason given" : text;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What broke off in a process that goes on: counted, with the last reason, and told in the log now and then.
+// Failures that do not end the process are counted, and now and then logged with the last reason.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,13 @@
 
 namespace rumi {
 
-// What was thrown, for a person: what libraries say of their own code is left out, and a file is named.
+// Returns the reason of an exception for a person: file names are kept, and what libraries say about their own code is
+// left out.
 std::string reason_of(const std::exception& thrown);
-// Of the exception that is being handled.
+// Returns the reason of the exception that is being handled.
 std::string what_was_thrown();
 
-// Why it broke off; empty if it did not.
+// Calls work(). Returns the reason of the exception that it threw, or an empty string.
 template <class Work>
 std::string thrown_by(const Work& work) {
   try {
@@ -29,15 +30,16 @@ std::string thrown_by(const Work& work) {
 
 class Failures {
  public:
-  // `what`: what is lost each time, for a person: "a build of the map".
+  // `what`: the work that is lost each time, for a person: "a build of the map".
   explicit Failures(std::string what) : what_(std::move(what)) {}
 
-  // The first one is logged, then one a minute at most. An empty reason: nothing broke off.
+  // Counts `count` failures. Logs the first one, then at most one per minute. Does nothing if `reason` is empty: then
+  // nothing failed.
   void note(const std::string& reason, int64_t now_us, int64_t count = 1);
   int64_t count() const { return count_; }
-  // "a build of the map broke off (3 so far): why"; empty if none did.
+  // Returns "a build of the map broke off (3 so far): why"; empty if nothing has failed.
   std::string text() const;
-  // Some were noted since the last call.
+  // True if failures were noted since the last call.
   bool take_news() { return std::exchange(news_, false); }
 
  private:

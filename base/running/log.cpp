@@ -26,13 +26,13 @@ spdlog::level::level_enum spdlog_level(LogLevel level) {
 }  // namespace
 
 void start_logging(const std::string& name, bool verbose, bool quiet) {
-  // An earlier logger of that name may exist where several mains run in one process, as in tests.
+  // A logger with this name may exist already if several mains run in one process, as in tests.
   spdlog::drop(name);
   spdlog::set_default_logger(spdlog::stderr_color_mt(name));
-  // On a terminal a line of progress may be there: the log takes its place.
+  // A terminal may show a progress line: each line of the log overwrites it.
   const std::string erase = isatty(STDERR_FILENO) ? "\r\x1b[K" : "";
   spdlog::set_pattern(erase + "%H:%M:%S.%e %n %^%l%$ %v");
-  FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres tells of every step that it takes back
+  FLAGS_minloglevel = google::GLOG_FATAL;  // else Ceres logs every step that it rejects
   spdlog::set_level(quiet ? spdlog::level::warn : verbose ? spdlog::level::debug : spdlog::level::info);
 }
 

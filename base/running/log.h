@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Lines for a person, to stderr with the time and the process's name. spdlog does it; only log.cpp includes its
-// headers, which bring the whole of fmt into every file.
+// Writes lines for a person to stderr, with the time and the process's name. Only log.cpp includes spdlog's headers:
+// they would bring all of fmt into every file.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,13 +12,13 @@ namespace rumi {
 
 enum class LogLevel { kDebug, kInfo, kWarning, kError };
 
-// From now on lines have this name, from info on; verbose: from debug, quiet: from warning.
+// Sets the name that lines show, and the lowest level that is logged: info; `verbose`: debug; `quiet`: warning.
 void start_logging(const std::string& name, bool verbose, bool quiet);
 
 void log_line(LogLevel level, const std::string& text);
 bool is_logged(LogLevel level);
 
-// What is not logged is not formatted either.
+// Does not format the arguments of lines that are not logged.
 template <class... Args>
 void log_at(LogLevel level, fmt::format_string<Args...> format, Args&&... args) {
   if (is_logged(level)) log_line(level, fmt::format(format, std::forward<Args>(args)...));

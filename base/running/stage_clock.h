@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// CPU time of the process by stage, so that a user sees what costs.
+// The CPU time of the process by stage, so that a user sees which stages are expensive.
 #pragma once
 
 #include <map>
@@ -7,10 +7,11 @@
 
 namespace rumi {
 
-// Measures its thread while it lives. A stage within another counts for itself alone.
+// Measures the CPU time of its thread while it exists. The time of a stage within another counts only for the inner
+// one.
 class StageClock {
  public:
-  explicit StageClock(const char* stage);  // "component.stage", a literal
+  explicit StageClock(const char* stage);  // "component.stage", a string literal
   ~StageClock();
   StageClock(const StageClock&) = delete;
   StageClock& operator=(const StageClock&) = delete;
@@ -21,10 +22,10 @@ class StageClock {
   double begin_s_;
 };
 
-// What was measured otherwise, of a child process.
+// Adds CPU time that was measured elsewhere, such as that of a child process.
 void add_stage_cpu(const char* stage, double cpu_s);
 
-// CPU seconds so far of the stages of a component, by "stage"; of all threads.
+// Returns the CPU seconds that each stage of the component has used so far, in all threads, by the stage's name.
 std::map<std::string, double> stage_cpu_s(const std::string& component);
 
 }  // namespace rumi

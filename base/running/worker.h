@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Does jobs one after another: in a thread of its own (live), or each at once where it is posted (replay). What a job
-// throws ends that job, not the process.
+// Does jobs one after another: in a thread of its own (live), or each within post() (replay). An exception ends its
+// job, not the process.
 #pragma once
 
 #include <condition_variable>
@@ -16,24 +16,24 @@ namespace rumi {
 class Worker {
  public:
   using Job = std::function<void()>;
-  // Jobs that broke off.
+  // Jobs that ended with an exception.
   struct Broken {
     int64_t count = 0;
-    std::string reason;  // of the last one
+    std::string reason;  // reason of the last exception
   };
 
-  // `nice`: of the thread, and of the child processes that it starts, more than the process has.
+  // `nice` is added to the niceness of the thread and of the child processes that it starts.
   explicit Worker(bool threaded, int nice = 0);
-  ~Worker();  // waits for the job at hand, forgets the others
+  ~Worker();  // waits for the present job and drops the others
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  // Hold no lock that the job needs.
+  // The caller must not hold a lock that the job needs: without a thread the job runs in this call.
   void post(Job job);
-  // Jobs waiting or at work.
+  // Returns the number of jobs that wait or are at work.
   int pending() const;
   void wait_until_idle();
-  // Since the last call.
+  // Returns the jobs that have thrown since the last call.
   Broken take_broken();
 
  private:

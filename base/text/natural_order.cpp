@@ -29,7 +29,7 @@ bool natural_less(const std::string& a, const std::string& b) {
     if (x != y) return x < y;
   }
   if (i < a.size() || j < b.size()) return j < b.size();
-  return a < b;  // "01" and "1"
+  return a < b;  // equal as numbers but not as text, such as "01" and "1"
 }
 
 }  // namespace rumi

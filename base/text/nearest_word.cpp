@@ -24,7 +24,7 @@ size_t edit_distance(const std::string& a, const std::string& b) {
 }  // namespace
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {
-  constexpr size_t kMostLetters = 100;  // of a word that someone spelt; the time goes with the length
+  constexpr size_t kMostLetters = 100;  // letters of `word` that are compared; the time grows with the length
   const std::string beginning = word.substr(0, kMostLetters);
   std::string nearest;
   size_t least = SIZE_MAX;

@@ -6,9 +6,9 @@
 
 namespace rumi {
 
-// The word that is spelt most like `word`; empty where there are none.
+// Returns the word with the smallest edit distance to `word`; empty if there are no words.
 std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
-// The same, but none that has little in common with it.
+// As nearest_word(), but returns an empty string if no word is similar: a few letters off, or beginning with `word`.
 std::string similar_word(const std::string& word, const std::vector<std::string>& words);
 
 }  // namespace rumi

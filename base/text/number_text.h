@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A number as text.
 #pragma once
 
 #include <charconv>
@@ -9,7 +8,7 @@
 
 namespace rumi {
 
-// The whole text is the number, or there is none: "12abc", "", "+1" and " 1" are none. "nan" and "inf" are doubles.
+// Returns nullopt unless the whole text is a number: "12abc", "", "+1" and " 1" are not. "nan" and "inf" are doubles.
 template <class Number>
 std::optional<Number> parse_number(std::string_view text) {
   Number number{};
@@ -18,7 +17,7 @@ std::optional<Number> parse_number(std::string_view text) {
   return error == std::errc() && stop == end ? std::optional(number) : std::nullopt;
 }
 
-// As other programs write positive numbers: "+1".
+// Removes the plus sign of "+1", which parse_number() does not accept and other programs write.
 inline std::string_view without_plus(std::string_view text) { return text.starts_with('+') ? text.substr(1) : text; }
 
 }  // namespace rumi

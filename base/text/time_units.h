@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Units of time.
 #pragma once
 
 #include <array>
@@ -24,8 +23,8 @@ constexpr double per_second(TimeUnit unit) {
   return kPerSecond.at(static_cast<std::size_t>(unit));
 }
 
-// Whole microseconds. Six decimals of a second fit a double until the year 2255, so this recovers the microsecond that
-// was written.
+// Rounds to whole microseconds. A double holds six decimals of a second until the year 2255, so this recovers exactly
+// the microseconds that were written.
 inline int64_t to_us(double seconds) { return std::llround(1e6 * seconds); }
 
 }  // namespace rumi

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Limits that a shell (`ulimit`), a batch system or a container sets, by their names.
+// Texts for errors that come from a limit of a shell (`ulimit`), a batch system or a container: they name the limit.
 #pragma once
 
 #include <string>
 
 namespace rumi {
 
-// Why a file cannot be written, by errno: "File too large: no file may have more than 0.2 MB here (ulimit -f)" where
-// that is the limit, else what the system says.
+// Returns why a file cannot be written, by errno: "File too large: no file may have more than 0.2 MB here (ulimit -f)"
+// if there is such a limit, otherwise the system's text.
 std::string write_error_text(int error);
-// Whether there is such a limit.
+// True if the size of files is limited (ulimit -f).
 bool may_be_too_large();
 
-// "there is not enough memory", with the limit of the account where there is one.
+// Returns `what`, with the limit of the account's memory if it has one.
 std::string no_memory_text(const std::string& what = "there is not enough memory");
 
-// The same of a thread or process that cannot be started.
+// Returns why a thread or process cannot be started, with the limit of their number if there is one.
 std::string no_thread_text();
 
 }  // namespace rumi

@@ -13,9 +13,9 @@ inline double clock_s(clockid_t clock) {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// CPU seconds of the calling thread so far.
+// Returns the CPU seconds so far of the calling thread.
 inline double thread_cpu_s() { return clock_s(CLOCK_THREAD_CPUTIME_ID); }
-// CPU seconds of the whole process so far, its threads included, and of child processes that have ended.
+// Returns the CPU seconds so far of all threads of the process, and of the child processes that it has waited for.
 inline double process_cpu_s() {
   rusage children{};
   getrusage(RUSAGE_CHILDREN, &children);

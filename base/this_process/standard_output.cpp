@@ -14,13 +14,13 @@ namespace rumi {
 
 void hold_standard_streams() {
   for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-    // The lowest number that is free is this one. It is open for the wrong direction, so its use fails.
+    // open() takes the lowest free number, which is this one. It opens for the wrong direction, so that using it fails.
     if (fcntl(fd, F_GETFD) < 0 && errno == EBADF) [[maybe_unused]]
       const int same = open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
 std::string flush_stdout() {
-  // stdio keeps that something failed, and not why.
+  // stdio remembers that a write failed, but not why.
   static int reason = 0;
   if (std::fflush(stdout) != 0 && reason == 0) reason = errno;
   if (reason == 0 && std::ferror(stdout) != 0) reason = EIO;

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether what a program prints arrives: a full disk takes it without a word until it is flushed.
+// Finds out whether printed text is written: on a full disk, printing succeeds and only flushing fails.
 #pragma once
 
 #include <string>
 
 namespace rumi {
 
-// Where stdin, stdout or stderr are closed, the next file that is opened would take its place, and what is printed
-// would go into that file. Called before any file is opened: each then stands for nothing, and writing to it is an
-// error.
+// Occupies the closed ones of stdin, stdout and stderr, so that writing to them fails. Otherwise the next file that is
+// opened takes the place of a closed one, and printed text goes into that file. To be called before any file is opened.
 void hold_standard_streams();
 
-// Everything that was printed is on its way. Returns "cannot write: No space left on device" if not all of it could be
-// written since the program began, or an empty string.
+// Flushes everything that was printed. Returns an empty string if all of it has been written since the program began,
+// or an error such as "cannot write: No space left on device".
 std::string flush_stdout();
 
 }  // namespace rumi

@@ -10,17 +10,19 @@ namespace rumi {
 namespace {
 
 constexpr int64_t kSilentUs = 5'000'000;
-constexpr int64_t kFutureUs = 60'000'000;  // the clocks of two computers may differ by so much
+constexpr int64_t kFutureUs = 60'000'000;  // largest expected difference between the clocks of two computers
 
 }  // namespace
 
-// If the clock goes back, as when a log begins again, nobody waits for ever.
+// If the clock goes back (a log begins again), the result is false: else everything would be refused until the clock
+// has caught up.
 bool NewestSender::is_older(int64_t number, int64_t now_us) const {
   return is_lower(number) && now_us >= heard_us_ && now_us - heard_us_ <= kSilentUs;
 }
 
 bool NewestSender::take(int64_t number, int64_t now_us) {
-  // A broken message, or the session of a replay that follows those of a map, says nothing about other senders.
+  // A number far in the future comes from a broken message, or is the session of a replay that is numbered above those
+  // of its map. The message is used, but says nothing about other senders.
   if (number > now_us && now_us >= 0 && number - now_us > kFutureUs) return true;
   if (!is_older(number, now_us)) {
     newest_ = is_lower(number) ? number : std::max(newest_, number);

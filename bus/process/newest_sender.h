@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Listens to the newer one of two senders of the same messages on one bus. The other one is mostly a log that is played
-// with all its channels beside a running system.
+// Listens to the newer one of two senders of the same messages on one bus. The other one is usually a log that is
+// played with all its channels beside a running system.
 #pragma once
 
 #include <cstdint>
@@ -8,18 +8,19 @@
 
 namespace rumi {
 
-inline constexpr int64_t kLateUs = 2'000'000;  // slack for the time at which a message was sent
+inline constexpr int64_t kLateUs = 2'000'000;  // slack for numbers that are the times at which messages were sent
 
 class NewestSender {
  public:
-  // what: of the messages, for the log: "RUMI_TRACK"; empty: nothing is said. slack: a number may be lower by so much.
+  // `what`: name of the messages in the log's warning, such as "RUMI_TRACK"; empty: nothing is logged. `slack`: a
+  // number that is lower than the newest one by no more than this does not count as older.
   explicit NewestSender(std::string what, int64_t slack = 0) : what_(std::move(what)), slack_(slack) {}
 
-  // number: rises from message to message of one sender, and from one sender to the next: the time at which it was
-  // sent, or at which its session began. False for a lower one as long as the other one was heard in the last five
-  // seconds.
+  // Returns false if the message is not to be used: its number is lower than that of another sender who was heard in
+  // the last five seconds. `number` rises from message to message of a sender, and from sender to sender: it is the
+  // time at which the message was sent, or at which the sender's session began.
   bool take(int64_t number, int64_t now_us);
-  // The same question, without telling or counting.
+  // True if the number is older in the sense of take(). Logs and counts nothing.
   bool is_older(int64_t number, int64_t now_us) const;
   int64_t refused() const { return refused_; }
 

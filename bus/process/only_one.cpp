@@ -14,7 +14,7 @@
 namespace rumi {
 namespace {
 
-constexpr int64_t kSettledUs = 3'000'000;  // by then every process has told its status, even a busy one
+constexpr int64_t kSettledUs = 3'000'000;  // after so long every process has published its status, even a busy one
 
 int64_t age_us(const process_status_t& status) { return status.utime - status.started_utime; }
 
@@ -65,7 +65,8 @@ bool OnlyOne::is_rival(const process_status_t& status) const {
                      [this](const channel_count_t& channel) { return channel.channel == publishes_; });
 }
 
-// If the clock was set back meanwhile, a process that has run for long may seem to begin in the future.
+// True if the other process began before this one. If the clock was set back meanwhile, a process that has run for long
+// may seem to begin in the future: it counts as the earlier one.
 bool OnlyOne::was_before_us(const process_status_t& status) const {
   const int64_t ours = bus_.now_us() - started_us_, theirs = age_us(status);
   if (theirs < 0 || theirs > ours) return true;

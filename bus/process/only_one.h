@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A bus may have only one process of some names: receivers could not tell two front_trackers, or two drivers on one
-// channel, apart. A process that begins says so (RUMI_STATUS, STARTING). One that is there already answers at once, and
-// the later one ends.
+// Lets a bus have only one process of a name where receivers could not tell two apart: two front_trackers, or two
+// drivers on one channel. A process that begins says so in a status (RUMI_STATUS, STARTING). If a process of the same
+// name is there already, it answers at once, and the later one ends.
 #pragma once
 
 #include <cstdint>
@@ -16,26 +16,29 @@ namespace rumi {
 // The name under which `rumi up` asks all processes for an answer before it starts any.
 inline constexpr const char* kAsksEverybody = "rumi";
 
-// STARTING, of this process.
+// Returns a status of this process in the state STARTING.
 process_status_t starting_status(const std::string& process, int64_t now_us, int64_t started_us);
-// Is the message from another process that is alive? (A message of a process that was killed may still arrive.)
+// True if the status is from another process that is alive. (A message of a process that was killed may still arrive.)
 bool is_of_another(const process_status_t& status);
-// "map_server, pid 12 on kitchen, for 7 s".
+// Returns who published the status, such as "map_server, pid 12 on kitchen, for 7 s".
 std::string describe(const process_status_t& status);
 
 class OnlyOne {
  public:
-  // `publishes`: the channel of which there may be one publisher, so that others of this name may be on the bus that
-  // publish on other channels; empty: there may be one of this name.
+  // `publishes`: the channel that only one process of this name may publish on; others of the name may publish on other
+  // channels. If it is empty, the bus may have only one process of this name.
   OnlyOne(Bus& bus, std::string process, std::string publishes);
 
-  // Asks. The bus has to be dispatched for a moment until problem() is known; who is busy may answer within a second.
+  // Asks the other processes on the bus. Dispatch the bus afterwards, so that answers reach problem(); a busy process
+  // may take a second to answer.
   void ask();
-  // Why this process is to end, for a person; empty: it may go on. Who was alone for three seconds may.
+  // Says, for a person, why this process must end; empty if it may go on. A process that was alone for three seconds
+  // may always go on.
   const std::string& problem() const { return problem_; }
-  // Somebody asked since the last call: the status is to be published now.
+  // True if another process asked since the last call: then the status is to be published now.
   bool take_question();
-  // Another process of this name that does not end although it is the later one, since the last call; for a person.
+  // Describes, for a person, a later process of this name that does not end although it should; empty if none was heard
+  // since the last call.
   std::string take_warning();
 
   int64_t started_us() const { return started_us_; }
@@ -50,7 +53,7 @@ class OnlyOne {
   const std::string process_, publishes_;
   const int64_t started_us_;
   std::string problem_, warning_;
-  int32_t warned_of_ = 0;  // pid
+  int32_t warned_of_ = 0;  // pid of the process in the last warning; 0: there was no warning
   bool asked_ = false;
 };
 

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "base/command_line/command_line.h"
+#include "base/or_throw.h"
 #include "base/running/due.h"
 #include "base/running/failures.h"
 #include "base/running/log.h"
@@ -37,9 +38,9 @@ constexpr int64_t kStatusPeriodUs = 1'000'000;
 constexpr const char* kLossAdvice =
     "the receive buffer is too small for what comes, or the machine too busy; recv_buf_size=8388608 in the LCM URL and "
     "`sudo sysctl -w net.core.rmem_max=8388608` help";
-// How long a process that is on the bus already may take to answer. Each start waits for it, also after a crash.
+// How long a process that begins waits for answers of those on the bus. It is short, because every start waits for it,
+// also one after a crash.
 constexpr std::chrono::milliseconds kAnswer{100};
-enum ExitCode { kOk = 0, kFailure = 1, kNotAgain = 2 };
 
 std::atomic<int> g_stop_signals = 0;
 std::atomic<int> g_finish_signals = 0;
@@ -59,7 +60,7 @@ void catch_signal(int signal, void (*handler)(int)) {
   action.sa_flags = SA_RESTART;
   action.sa_handler = handler;
   sigaction(signal, &action, nullptr);
-  // The parent process may have blocked it until now (ChildLaunch::held_signals).
+  // The parent process may have blocked the signal until now (ChildLaunch::held_signals).
   sigset_t unblocked;
   sigemptyset(&unblocked);
   sigaddset(&unblocked, signal);
@@ -100,13 +101,13 @@ void add_common_flags(CommandLine& app, CommonFlags* flags) {
   app.add_flag("-q,--quiet", flags->quiet, "log warnings and errors only");
 }
 
-// Returns what is wrong, or an empty string.
+// Reads the options of all sources. Returns a message for the user if one cannot be used, else an empty string.
 std::string read_options(const CommonFlags& flags, const ProcessDescription& description, OptionTable* table) {
   const std::string problem = load_options(*table, flags.config, flags.settings);
   return problem.empty() && description.check_options ? description.check_options() : problem;
 }
 
-// Reads the options again and hands them to the running node.
+// Reads the options again and hands them to the running node. Logs an error if they cannot be used.
 void reload(const CommonFlags& flags, OptionTable* table, const ProcessDescription& description, Node& node) {
   table->reset();
   std::string problem = read_options(flags, description, table);
@@ -129,7 +130,7 @@ std::string ask_around(Bus& bus, OnlyOne& only_one) {
   return only_one.problem();
 }
 
-// Runs the node to its end. Returns why it ended too soon, or an empty string.
+// Runs the node until it is done or a signal ends it. Returns why it had to end before that, or an empty string.
 std::string run_node(Bus& bus, SafeNode& node, StatusPublisher& status, OnlyOne* only_one,
                      const std::function<void()>& on_reload) {
   std::string problem;
@@ -149,7 +150,7 @@ std::string run_node(Bus& bus, SafeNode& node, StatusPublisher& status, OnlyOne*
   };
   run_while([&] { return g_stop_signals == 0 && g_finish_signals == 0 && !node.done(); });
   if (!problem.empty()) return problem;
-  bus.dispatch(0);  // messages that arrived before the signal, such as the last images of a camera that ended first
+  bus.dispatch(0);  // handles what arrived before the signal, such as the last images of a camera that ended first
   log_debug("ending");
   if (g_stop_signals == 0) node.finish();
   if (g_finish_signals > 0) run_while([&] { return g_stop_signals == 0 && !node.finished(); });
@@ -177,11 +178,11 @@ int refused(const std::string& problem) {
   return kNotAgain;
 }
 
-// Returns the exit code.
+// Logs the node's complaints. Returns the exit code.
 int complain(const Node& node) {
   const std::vector<std::string> complaints = node.complaints();
   for (const std::string& complaint : complaints) log_error("{}", complaint);
-  return complaints.empty() ? static_cast<int>(kOk) : kNotAll;
+  return complaints.empty() ? kDone : kNotAll;
 }
 
 int run(int argc, char** argv, const ProcessDescription& description) {
@@ -201,7 +202,7 @@ int run(int argc, char** argv, const ProcessDescription& description) {
       "print all options for --config and --set, and exit");
 
   const CommandLine::Result parsed = app.parse(argc, argv);
-  if (parsed.done) return kOk;
+  if (parsed.done) return kDone;
   if (!parsed.error.empty())
     return wrong_command_line(description.name,
                               fmt::format("{}\nTry `rumi {} --help`.", parsed.error, description.name));
@@ -210,10 +211,8 @@ int run(int argc, char** argv, const ProcessDescription& description) {
 
   start_logging(description.name, flags.verbose, flags.quiet);
   try {
-    std::string error;
     const ReceiveLosses losses;
-    const std::unique_ptr<LcmBus> bus = LcmBus::open(flags.lcm_url, flags.names, &error);
-    if (!bus) throw std::runtime_error(error);
+    const std::unique_ptr<LcmBus> bus = or_throw(LcmBus::open(flags.lcm_url, flags.names));
     catch_stop_signals();
     std::optional<OnlyOne> only_one;
     if (description.only_one || description.only_one_on_channel) {
@@ -229,7 +228,7 @@ int run(int argc, char** argv, const ProcessDescription& description) {
     return problem.empty() ? complain(node) : refused(problem);
   } catch (const std::exception& e) {
     log_error("{}", reason_of(e));
-    return kFailure;
+    return kNotDone;
   }
 }
 
@@ -239,13 +238,13 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
   std::string problem;
   try {
     const int exit_code = run(argc, argv, description);
-    problem = flush_stdout();  // of --help, --list and the like
+    problem = flush_stdout();  // the output of --help, --list and the like
     if (problem.empty()) return exit_code;
   } catch (const std::exception& e) {
     problem = reason_of(e);
   }
   std::fputs(fmt::format("{}: {}\n", description.name, problem).c_str(), stderr);
-  return kFailure;
+  return kNotDone;
 }
 
 StatusPublisher::StatusPublisher(Bus& bus, std::string process_name, std::function<int64_t()> lost)

@@ -8,7 +8,7 @@
 
 namespace rumi {
 
-constexpr int64_t kPauseUs = 100'000;  // from a tick that threw to the next
+constexpr int64_t kPauseUs = 100'000;  // pause after a tick that threw
 
 SafeNode::SafeNode(std::unique_ptr<Node> node, Failures* handlers) : node_(std::move(node)), handlers_(handlers) {}
 

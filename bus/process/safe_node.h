@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Catches what a node throws, so that its process goes on. It counts the exceptions, logs them now and then, and tells
-// of them in the status; so it does of what the node's message handlers throw, which the bus catches.
+// Catches the exceptions of a node, so that its process goes on. Counts them, logs them now and then, and reports them
+// in the status. The status also reports the exceptions of the node's message handlers, which the bus catches.
 #pragma once
 
 #include <memory>
@@ -13,13 +13,13 @@ namespace rumi {
 
 class SafeNode : public Node {
  public:
-  // `handlers`: those of the node's bus (Bus::broken_handlers), which outlives it.
+  // `handlers`: the exceptions of the node's message handlers (Bus::broken_handlers). The bus must outlive this object.
   SafeNode(std::unique_ptr<Node> node, Failures* handlers);
 
   // After a tick that threw, the next one waits a little, so that a tick that always throws does not take all the CPU.
   void tick(int64_t now_us) override;
   int64_t next_tick_us(int64_t now_us) const override;
-  // Degraded if something was thrown since the last one.
+  // The status is degraded if an exception was caught since the last one.
   NodeStatus status() override;
   void finish() override;
   void stop() override;

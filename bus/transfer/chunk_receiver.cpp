@@ -12,12 +12,13 @@
 namespace rumi {
 namespace {
 
-constexpr size_t kMaxOpen = 64;    // transfers at a time, so that garbage cannot fill the memory
-constexpr size_t kMaxRecent = 64;  // answers remembered
-constexpr int kMaxRestarts = 3;    // after a wrong checksum
-constexpr int kMinRequests = 3;    // before giving up, however far the clock jumped
+constexpr size_t kMaxOpen = 64;    // transfers under way at a time, so that garbage cannot fill the memory
+constexpr size_t kMaxRecent = 64;  // finished transfers whose answer is kept, to be sent again
+constexpr int kMaxRestarts = 3;    // of one transfer, after a wrong checksum
+constexpr int kMinRequests = 3;    // unanswered requests before a transfer is given up, however far the clock jumped
 
-// All chunks but the last have one size, and together they make total_size.
+// True if the numbers of the chunk fit each other: all chunks but the last have one size, and together they make
+// total_size.
 bool is_plausible(const chunk_t& c, int64_t max_payload_bytes) {
   if (c.count < 1 || c.index < 0 || c.index >= c.count) return false;
   if (c.total_size < 0 || c.total_size > max_payload_bytes) return false;
@@ -50,7 +51,7 @@ ChunkReceiver::ChunkReceiver(Bus& bus, std::string data_channel, std::string ack
       options_(options) {
   options_.window_chunks = std::max(options_.window_chunks, 1);
   options_.max_payload_bytes = std::min(options_.max_payload_bytes, options_.max_held_bytes);
-  // Several senders may each have a window under way.
+  // The queue has room for the windows of several senders.
   bus_.subscribe<chunk_t>(data_channel, {.capacity = 256, .drop = DropPolicy::kDropNewest},
                           [this](const chunk_t& chunk) { on_chunk(chunk); });
 }
@@ -84,8 +85,8 @@ void ChunkReceiver::on_chunk(const chunk_t& chunk) {
     complete(id);
     return;
   }
-  // Half a window, so that the sender need not stop. A repeated chunk means that our last answer was lost; one answer
-  // to a burst of them is enough.
+  // Chunks are acknowledged after half a window, so that the sender need not stop. A repeated chunk means that our last
+  // answer was lost; one answer to a burst of them is enough.
   const bool answer_was_lost = !is_new && now_us - assembly.last_ack_us >= options_.retry_us / 3;
   if (++assembly.unacknowledged >= std::max(1, options_.window_chunks / 2) || answer_was_lost)
     acknowledge(assembly, assembly.pieces.rbegin()->first);
@@ -93,7 +94,8 @@ void ChunkReceiver::on_chunk(const chunk_t& chunk) {
 
 ChunkReceiver::Assembly& ChunkReceiver::assembly_of(const Id& id, const chunk_t& chunk) {
   const auto found = open_.find(id);
-  // Another payload under the same number: the sender was started anew, its old chunks are worth nothing.
+  // If the transfer's number now stands for another payload, the sender was restarted, and its old chunks are
+  // worthless.
   if (found != open_.end() && same_transfer(found->second.header, chunk)) return found->second;
   if (found != open_.end()) forget(found);
   make_room(kMaxOpen - 1, id);
@@ -109,7 +111,8 @@ void ChunkReceiver::forget(std::map<Id, Assembly>::iterator assembly) {
   open_.erase(assembly);
 }
 
-// What had no news for longest goes. One payload fits (see is_plausible), so the one in hand need not.
+// Removes the transfers that had no chunk for longest, until there is room. `but_for` stays: one payload always fits
+// (see is_plausible()).
 void ChunkReceiver::make_room(size_t max_open, const Id& but_for) {
   while (open_.size() > max_open || held_bytes_ > options_.max_held_bytes) {
     auto oldest = open_.end();
@@ -117,7 +120,7 @@ void ChunkReceiver::make_room(size_t max_open, const Id& but_for) {
       if (it->first != but_for && (oldest == open_.end() || it->second.last_chunk_us < oldest->second.last_chunk_us))
         oldest = it;
     if (oldest == open_.end()) return;
-    // Said once, then counted: whoever floods us shall not fill the log.
+    // Logged once, then only counted: a flood of transfers must not fill the log.
     if (dropped_++ == 0)
       log_warning("{} of {} bytes from {} are dropped: {} transfers with {} bytes are under way, {} with {} may be",
                   oldest->second.held_bytes, oldest->second.header.total_size, oldest->first.first, open_.size(),
@@ -165,7 +168,7 @@ void ChunkReceiver::complete(const Id& id) {
   if (recent_.size() > kMaxRecent) recent_.pop_front();
 }
 
-// Asks for what is missing below `end`, at most a window of it.
+// Acknowledges the chunks below next_index and asks for those that are missing below `end`, at most for one window.
 void ChunkReceiver::acknowledge(Assembly& assembly, int32_t end) {
   chunk_ack_t ack;
   ack.utime = bus_.now_us();
@@ -187,7 +190,7 @@ void ChunkReceiver::acknowledge(Assembly& assembly, int32_t end) {
 void ChunkReceiver::tick(int64_t now_us) {
   for (auto it = open_.begin(); it != open_.end();) {
     Assembly& assembly = it->second;
-    // A clock that went backwards must not silence us.
+    // If the clock went back, the waiting times begin anew: else nothing would be sent until it has caught up.
     if (now_us < assembly.last_chunk_us || now_us < assembly.last_ack_us)
       assembly.last_chunk_us = assembly.last_ack_us = now_us;
     if (now_us - assembly.last_chunk_us >= options_.give_up_us && assembly.requests >= kMinRequests) {
@@ -196,7 +199,7 @@ void ChunkReceiver::tick(int64_t now_us) {
     }
     if (now_us - std::max(assembly.last_chunk_us, assembly.last_ack_us) >= options_.retry_us) {
       ++assembly.requests;
-      // Seen or not: the sender knows which of them it has not sent yet.
+      // Asks up to the last chunk, although some may not have been sent yet: the sender knows which.
       acknowledge(assembly, assembly.header.count);
     }
     ++it;

@@ -10,7 +10,7 @@
 namespace rumi {
 namespace {
 
-constexpr int kMinRepeats = 3;  // before giving up, however far the clock jumped
+constexpr int kMinRepeats = 3;  // unanswered repeats before a transfer is given up, however far the clock jumped
 
 }  // namespace
 
@@ -26,7 +26,8 @@ ChunkSender::ChunkSender(Bus& bus, std::string data_channel, std::string ack_cha
 int64_t ChunkSender::send(const std::string& receiver, int8_t kind, int32_t request_id, std::vector<uint8_t> payload,
                           DoneHandler done, std::optional<int64_t> checksum) {
   Transfer transfer;
-  // Not 1, 2, 3: after a restart under the same name the receiver must not take it for an earlier transfer.
+  // Numbers do not begin at 1: after a restart under the same name the receiver must not take a transfer for an earlier
+  // one.
   transfer.id = last_id_ = std::max(last_id_ + 1, bus_.now_us());
   transfer.receiver = receiver;
   transfer.done = std::move(done);
@@ -111,10 +112,11 @@ void ChunkSender::finish(const std::string& receiver, const TransferResult& resu
     queues_.erase(queue);
   else
     start(queue->second.front());
-  if (done) done(result);  // last: it may send the next payload
+  if (done) done(result);  // called last, because it may send the next payload
 }
 
-// Not at once: who sends may not be ready for an answer yet.
+// Calls `done` for payloads that were too large. send() does not call it: its caller may not be ready for the answer
+// yet.
 void ChunkSender::refuse_oversized() {
   const std::string why =
       fmt::format("it is larger than {} bytes, the most that is sent at once", options_.max_payload_bytes);
@@ -127,7 +129,7 @@ void ChunkSender::tick(int64_t now_us) {
   std::vector<std::string> given_up;
   for (auto& [receiver, queue] : queues_) {
     Transfer& transfer = queue.front();
-    // A clock that went backwards must not silence us.
+    // If the clock went back, the waiting times begin anew: else nothing would be sent until it has caught up.
     const bool went_back = now_us < transfer.last_sent_us || now_us < transfer.last_news_us;
     if (went_back) transfer.last_news_us = transfer.last_sent_us = now_us;
     if (now_us - transfer.last_news_us >= options_.give_up_us && transfer.repeats >= kMinRepeats) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Large payloads in chunks over a bus that may lose, repeat or reorder anything: numbered, checksummed, acknowledged,
-// re-requested. One sender object per channel pair serves any number of transfers, one at a time per receiver name.
+// Sends large payloads in chunks over a bus that may lose, repeat or reorder anything. Chunks are numbered,
+// acknowledged and requested again, and each payload has a checksum. One ChunkSender per pair of channels serves any
+// number of transfers, one at a time per receiver name.
 #pragma once
 
 #include <cstdint>
@@ -18,24 +19,24 @@
 
 namespace rumi {
 
-// Smaller ones, but for the last of a transfer, would cost more to keep than they bring; larger ones are more than one
-// LCM datagram.
+// Smaller chunks (except the last of a transfer) would take more memory to manage than they carry; larger ones do not
+// fit into one LCM datagram.
 inline constexpr int kMinChunkBytes = 1000, kMaxChunkBytes = 60'000;
 
 struct TransferOptions {
-  int chunk_bytes = 48000;                       // kMinChunkBytes .. kMaxChunkBytes
-  int window_chunks = 16;                        // sent ahead of the last acknowledged chunk
-  int64_t retry_us = 300'000;                    // without news: the sender repeats, the receiver asks again
-  int64_t give_up_us = 60'000'000;               // without any news: the sender reports failure, the receiver forgets
-  int64_t max_payload_bytes = int64_t{4} << 30;  // larger ones are neither sent nor taken
-  int64_t max_held_bytes = int64_t{4} << 30;     // of all that came in part; beyond it the oldest transfer is dropped
+  int chunk_bytes = 48000;          // kMinChunkBytes .. kMaxChunkBytes
+  int window_chunks = 16;           // chunks sent ahead of the last acknowledged one
+  int64_t retry_us = 300'000;       // without news for so long, the sender repeats a chunk and the receiver asks again
+  int64_t give_up_us = 60'000'000;  // without any news for so long, the sender reports failure and the receiver forgets
+  int64_t max_payload_bytes = int64_t{4} << 30;  // larger payloads are neither sent nor taken
+  int64_t max_held_bytes = int64_t{4} << 30;     // in all incomplete transfers; beyond it the one idle for longest goes
 };
 
 struct TransferResult {
   int64_t transfer_id = 0;
   bool ok = false;
   std::string reason;    // when not ok
-  int64_t revision = 0;  // what the receiver said (see chunk_ack_t)
+  int64_t revision = 0;  // the receiver's answer (see chunk_ack_t)
 };
 
 class ChunkSender {
@@ -45,14 +46,15 @@ class ChunkSender {
   ChunkSender(Bus& bus, std::string data_channel, std::string ack_channel, std::string sender_name,
               const TransferOptions& options = {});
 
-  // Queues a payload (may be empty); transfers to the same receiver go one after another. Returns its transfer id. One
-  // above max_payload_bytes is not sent: `done` says so at the next tick. The CRC-32 is computed where it is not given.
+  // Queues a payload (may be empty); transfers to the same receiver go one after another. Returns the transfer's id. A
+  // payload above max_payload_bytes is not sent: `done` reports that at the next tick. `checksum` is the payload's
+  // CRC-32; it is computed if it is not given.
   int64_t send(const std::string& receiver, int8_t kind, int32_t request_id, std::vector<uint8_t> payload,
                DoneHandler done, std::optional<int64_t> checksum = {});
   void tick(int64_t now_us);
-  // Payloads not yet acknowledged.
+  // Returns the number of payloads that are not acknowledged yet.
   int pending() const;
-  // Chunks and payloads that were, so far.
+  // Returns the number of chunks plus that of payloads acknowledged so far.
   int64_t acknowledged() const { return acknowledged_; }
 
  private:
@@ -65,8 +67,8 @@ class ChunkSender {
     int64_t checksum = 0;
     int32_t count = 0;
     int32_t next_to_send = 0;
-    int32_t acknowledged = 0;  // all chunks below it
-    int repeats = 0;           // since the last news
+    int32_t acknowledged = 0;  // all chunks below this index are acknowledged
+    int repeats = 0;           // since the last acknowledgement
     int64_t last_news_us = 0, last_sent_us = 0;
     DoneHandler done;
   };
@@ -104,28 +106,27 @@ class ChunkReceiver {
   ChunkReceiver(Bus& bus, std::string data_channel, std::string ack_channel, std::string receiver_name,
                 bool accept_unaddressed, PayloadHandler handler, const TransferOptions& options = {});
   void tick(int64_t now_us);
-  // Of the transfer that this request started: (chunks received, chunks in all), for progress. Nothing before the
-  // first.
+  // Returns (chunks received, chunks in all) of the transfer that this request started; nullopt before its first chunk.
   std::optional<std::pair<int, int>> progress(int32_t request_id) const;
-  // Transfers that came in part and had to make room for others, so far.
+  // Returns how many incomplete transfers were dropped so far, to make room for others.
   int64_t dropped() const { return dropped_; }
 
  private:
   struct Assembly {
-    chunk_t header;                                  // of the first chunk that came, without data
+    chunk_t header;                                  // the first chunk that came, without its data
     std::map<int32_t, std::vector<uint8_t>> pieces;  // by index; grows with what arrives, not with what is announced
-    int32_t next_index = 0;                          // all below it are here
+    int32_t next_index = 0;                          // all chunks below this index have arrived
     int32_t unacknowledged = 0;
     int restarts = 0;  // because of a wrong checksum
-    int requests = 0;  // since the last chunk
+    int requests = 0;  // requests for missing chunks since the last chunk came
     int64_t last_chunk_us = 0, last_ack_us = 0;
     int64_t held_bytes = 0;
   };
   struct Finished {
     chunk_t header;
-    chunk_ack_t answer;  // repeated when asked again
+    chunk_ack_t answer;  // sent again whenever a chunk of this transfer comes again
   };
-  using Id = std::pair<std::string, int64_t>;  // sender, transfer
+  using Id = std::pair<std::string, int64_t>;  // name of the sender, id of the transfer
   void on_chunk(const chunk_t& chunk);
   Assembly& assembly_of(const Id& id, const chunk_t& chunk);
   void forget(std::map<Id, Assembly>::iterator assembly);

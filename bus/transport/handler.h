@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What all implementations of Bus do with a message.
+// Lets all implementations of Bus handle a message in the same way.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,8 +12,8 @@
 
 namespace rumi {
 
-// Returns false if the message was broken. A handler that throws is no fault of the message: it is noted in `broken`,
-// and the process goes on.
+// Returns false if the message could not be decoded. If the handler throws, that is no fault of the message: the
+// exception is noted in `broken`, the process goes on, and the result is true.
 inline bool handle_safely(const Bus::RawHandler& handler, const std::string& channel, std::span<const uint8_t> data,
                           int64_t now_us, Failures* broken) {
   bool decoded = true;

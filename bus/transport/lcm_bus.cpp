@@ -25,13 +25,14 @@
 namespace rumi {
 namespace {
 
-constexpr int kReceiveTimeoutMs = 50;        // how soon the receive thread notices that it should end
-constexpr size_t kMaxLcmChannelLength = 63;  // LCM refuses longer names
+constexpr int kReceiveTimeoutMs = 50;        // the receive thread notices within this time that it should end
+constexpr size_t kMaxLcmChannelLength = 63;  // characters; LCM refuses longer names
 constexpr const char* kUsualUrl = "udpm://239.255.76.67:7667?ttl=0";
 constexpr const char* kDefaultGroup = "239.255.76.67";
 constexpr int64_t kWantedReceiveBuffer = 2097152;  // bytes; no raw 640x480 image was lost with it at up to 2000 Hz
 
-// LCM takes channel names as regular expressions; ours are plain names.
+// Returns the channel's name with a backslash before special characters: LCM takes names as regular expressions, ours
+// are plain.
 std::string escaped(const std::string& channel) {
   std::string regex;
   for (const char c : channel) {
@@ -48,7 +49,8 @@ std::string multicast_group(const std::string& url) {
   return group.empty() ? kDefaultGroup : group;
 }
 
-// A URL with a group needs a port: LCM would listen on none, and say so after ten seconds of testing itself.
+// True if the URL names a group without a valid port. LCM would then listen on no port, and report that only after
+// testing itself for ten seconds.
 bool lacks_port(const std::string& url) {
   std::string network = url.substr(url.find("://") + 3);
   network = network.substr(0, network.find_first_of("?/"));
@@ -59,7 +61,8 @@ bool lacks_port(const std::string& url) {
   return !number || *number < 1 || *number > 65535;
 }
 
-// Asked before LCM is, whose own answer is a page long. Nothing is sent. Precondition: it is a multicast address.
+// Returns why the kernel cannot send to this group, or an empty string. Checked before LCM is opened, whose own message
+// is a page long. Sends nothing. Precondition: `group` is a multicast address.
 std::string why_unreachable(const std::string& group) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -78,29 +81,29 @@ bool is_multicast(const std::string& group) {
 
 bool is_udpm(const std::string& url) { return url.starts_with("udpm://") || url.starts_with("mpudpm://"); }
 
-// LCM has buses that are none for several processes, and one whose server may be missing (tcpq), which ends the
-// process.
-std::string why_not_used(const std::string& url) {
+// An Error for any URL but udpm: some of LCM's other buses cannot connect several processes, and one (tcpq) ends the
+// process if its server is missing.
+Result<> check_url(const std::string& url) {
   if (url.starts_with("memq://"))
-    return fmt::format(
-        "the LCM URL {} is not used: such a bus lives within one process, and Rumi is several. A usual "
-        "URL is {}",
-        url, kUsualUrl);
+    return Error{
+        fmt::format("the LCM URL {} is not used: such a bus lives within one process, and Rumi is several. A usual "
+                    "URL is {}",
+                    url, kUsualUrl)};
   if (url.starts_with("file://"))
-    return fmt::format(
-        "the LCM URL {} is not used: it is a log file and no bus. `rumi replay FILE` plays one; a usual "
-        "URL is {}",
-        url, kUsualUrl);
+    return Error{
+        fmt::format("the LCM URL {} is not used: it is a log file and no bus. `rumi replay FILE` plays one; a usual "
+                    "URL is {}",
+                    url, kUsualUrl)};
   if (!is_udpm(url))
-    return fmt::format("the LCM URL {} is not used: only udpm:// is, multicast. Expected an LCM URL such as {}", url,
-                       kUsualUrl);
+    return Error{fmt::format("the LCM URL {} is not used: only udpm:// is, multicast. Expected an LCM URL such as {}",
+                             url, kUsualUrl)};
   if (lacks_port(url))
-    return fmt::format("the LCM URL {} has no port from 1 to 65535; a usual one is {}", url, kUsualUrl);
+    return Error{fmt::format("the LCM URL {} has no port from 1 to 65535; a usual one is {}", url, kUsualUrl)};
   if (const std::string group = multicast_group(url); !is_multicast(group))
-    return fmt::format(
+    return Error{fmt::format(
         "the LCM URL {} is not used: {} is no multicast address (224.0.0.0 to 239.255.255.255); a usual URL is {}, and "
         "ttl=1 in it reaches other computers",
-        url, group, kUsualUrl);
+        url, group, kUsualUrl)};
   return {};
 }
 
@@ -120,24 +123,17 @@ std::string ChannelNames::on_wire(const std::string& channel) const {
   return prefix + (channel == channels::kCamera ? camera : channel);
 }
 
-std::unique_ptr<LcmBus> LcmBus::open(const std::string& url, const ChannelNames& names, std::string* error) {
+Result<std::unique_ptr<LcmBus>> LcmBus::open(const std::string& url, const ChannelNames& names) {
   const size_t longest = names.on_wire(channels::kCameraToSubmap).size();
-  if (std::max(longest, names.on_wire(channels::kCamera).size()) > kMaxLcmChannelLength) {
-    *error =
+  if (std::max(longest, names.on_wire(channels::kCamera).size()) > kMaxLcmChannelLength)
+    return Error{
         fmt::format("--channel-prefix {} or --channel {} is too long: an LCM channel name has at most {} characters",
-                    names.prefix, names.camera, kMaxLcmChannelLength);
-    return nullptr;
-  }
-  if (*error = why_not_used(url); !error->empty()) return nullptr;
-  if (const std::string why = why_unreachable(multicast_group(url)); !why.empty()) {
-    *error = fmt::format("the LCM bus {} cannot be used: {}. {}", url, why, multicast_advice(url));
-    return nullptr;
-  }
+                    names.prefix, names.camera, kMaxLcmChannelLength)};
+  if (const Result<> usable = check_url(url); !usable) return usable.error();
+  if (const std::string why = why_unreachable(multicast_group(url)); !why.empty())
+    return Error{fmt::format("the LCM bus {} cannot be used: {}. {}", url, why, multicast_advice(url))};
   auto lcm = std::make_unique<lcm::LCM>(url);
-  if (!lcm->good()) {
-    *error = fmt::format("the LCM bus {} cannot be opened. {}", url, multicast_advice(url));
-    return nullptr;
-  }
+  if (!lcm->good()) return Error{fmt::format("the LCM bus {} cannot be opened. {}", url, multicast_advice(url))};
   warn_once_about_receive_buffer(url);
   return std::unique_ptr<LcmBus>(new LcmBus(url, std::move(lcm), names));
 }
@@ -166,17 +162,17 @@ void LcmBus::subscribe_raw(const std::string& channel, const QueueOptions& queue
   }
   const lcm_msg_handler_t callback = [](const lcm_recv_buf_t* buffer, const char*, void* user) {
     auto* const to = static_cast<Subscription*>(user);
-    // Nothing may be thrown through LCM, which is C.
+    // Exceptions must not pass through LCM, which is C.
     const std::string reason = thrown_by([&] {
       to->bus->enqueue(*to, {static_cast<const uint8_t*>(buffer->data), buffer->data_size});
     });
     if (!reason.empty()) to->bus->note_dropped(*to);
   };
-  // Not by its C++ class, which takes a subscription that failed for one.
+  // LCM's C++ class is not used here: it takes a failed subscription for a good one.
   lcm_subscription_t* const made =
       lcm_subscribe(lcm_->getUnderlyingLCM(), escaped(names_.on_wire(channel)).c_str(), callback, added);
   if (!made) throw std::runtime_error(fmt::format("LCM on {} cannot receive. {}", url_, multicast_advice(url_)));
-  // Unlimited: the receive thread empties it at once, and ours is the one that is bounded and counted.
+  // LCM's own queue is unlimited: the receive thread empties it at once into ours, which is bounded and counted.
   lcm_subscription_set_queue_capacity(made, 0);
   if (receiver_) return;
   receiver_.emplace(true);
@@ -215,7 +211,8 @@ void LcmBus::note_dropped(Subscription& subscription) {
   ++subscription.counts.dropped;
 }
 
-// The subscription with the oldest message that arrived before `sequence`; mutex_ is held.
+// Returns the subscription whose oldest waiting message arrived first, and before `sequence`; nullptr if there is no
+// such message. The caller holds mutex_.
 LcmBus::Subscription* LcmBus::next_before(int64_t sequence) {
   Subscription* next = nullptr;
   for (const auto& subscription : subscriptions_) {

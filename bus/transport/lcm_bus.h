@@ -11,29 +11,30 @@
 #include <mutex>
 #include <optional>
 
+#include "base/result.h"
 #include "base/running/worker.h"
 #include "bus/transport/bus.h"
 
 namespace rumi {
 
-// Nodes use the names of bus.h; this is what they are called on the wire.
+// Nodes use the names of bus.h; these are the names on the wire.
 struct ChannelNames {
-  std::string prefix;                      // before every name: several robots on one bus
-  std::string camera = channels::kCamera;  // what stands for channels::kCamera
+  std::string prefix;                      // put before every name, so that several robots can share one bus
+  std::string camera = channels::kCamera;  // the name on the wire of channels::kCamera
   std::string on_wire(const std::string& channel) const;
 };
 
 class LcmBus : public Bus {
  public:
-  // Nothing on failure, with the reason and what to do in *error.
-  static std::unique_ptr<LcmBus> open(const std::string& url, const ChannelNames& names, std::string* error);
+  // An Error says why the URL or the names cannot be used, and what to do.
+  static Result<std::unique_ptr<LcmBus>> open(const std::string& url, const ChannelNames& names);
   ~LcmBus() override;
 
-  // From any thread.
+  // May be called from any thread.
   bool publish_raw(const std::string& channel, std::span<const uint8_t> data) override;
-  // Throws std::runtime_error if LCM refuses (its multicast self test failed). From the dispatching thread.
+  // Throws std::runtime_error if LCM refuses (its multicast self test failed). To be called on the dispatching thread.
   void subscribe_raw(const std::string& channel, const QueueOptions& queue, RawHandler handler) override;
-  // Handles what had arrived when it began, so that a flood cannot keep it from returning.
+  // Handles the messages that had arrived when it was called, so that a flood cannot keep it from returning.
   int dispatch(int timeout_ms) override;
   int64_t now_us() const override;
   std::vector<ChannelCounts> counts() const override;  // one per subscription, with the names of bus.h
@@ -41,7 +42,7 @@ class LcmBus : public Bus {
 
  private:
   struct Message {
-    int64_t sequence = 0;  // of arrival, over all subscriptions
+    int64_t sequence = 0;  // order of arrival, over all subscriptions
     std::vector<uint8_t> data;
   };
   struct Subscription {
@@ -62,19 +63,20 @@ class LcmBus : public Bus {
   std::unique_ptr<lcm::LCM> lcm_;
   std::atomic<int64_t> published_ = 0;
 
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below it
   std::condition_variable arrived_;
   std::vector<std::unique_ptr<Subscription>> subscriptions_;
   int64_t next_sequence_ = 0;
   int waiting_ = 0;  // messages in all queues
 
   std::atomic<bool> stop_ = false;
-  std::optional<Worker> receiver_;  // last: its thread ends first
+  std::optional<Worker> receiver_;  // the last member, so that its thread ends before the others are destroyed
 };
 
-// The two commands that let multicast of this udpm:// URL work on one machine.
+// Returns advice with the two commands that let multicast of this udpm:// URL work on one machine.
 std::string multicast_advice(const std::string& url);
-// What to do about a kernel receive buffer too small for raw images, given net.core.rmem_max; empty if all is well.
+// Returns advice if the kernel's receive buffer, limited by net.core.rmem_max, is too small for raw images; empty if it
+// is large enough.
 std::string receive_buffer_advice(const std::string& url, int64_t rmem_max);
 
 }  // namespace rumi

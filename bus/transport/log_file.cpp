@@ -14,11 +14,12 @@
 namespace rumi {
 namespace {
 
-// An event, big endian: int32 sync, int64 number, int64 time, int32 channel length, int32 data length, channel, data.
-// Read here and not by LCM, which cannot tell the end of a file from damage and believes any length.
+// Layout of an event, big endian: int32 sync, int64 number, int64 time, int32 channel length, int32 data length,
+// channel, data. Events are read here and not by LCM, which cannot tell the end of a file from damage and believes any
+// length.
 constexpr uint32_t kSync = 0xEDA1DA01;
 constexpr size_t kHeaderBytes = 28;
-constexpr uint32_t kMaxChannelLength = 1000;  // LCM's own limit in logs
+constexpr uint32_t kMaxChannelLength = 1000;  // LCM's own limit for channel names in logs
 
 uint64_t big_endian(const uint8_t* bytes, int count) {
   uint64_t value = 0;
@@ -26,7 +27,7 @@ uint64_t big_endian(const uint8_t* bytes, int count) {
   return value;
 }
 
-// Lengths that an event may have; it ends at *end.
+// True if the lengths in the header are possible. *end is then the position of the event's end.
 bool has_sensible_lengths(const std::array<uint8_t, kHeaderBytes>& header, int64_t position, int64_t* end) {
   const auto channel_length = static_cast<uint32_t>(big_endian(&header[20], 4));
   const auto data_length = static_cast<uint32_t>(big_endian(&header[24], 4));
@@ -122,7 +123,7 @@ bool LogReader::may_begin_at(int64_t position) {
          std::none_of(channel.begin(), channel.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
 }
 
-// From within the last event on: if its length is what was damaged, it hides others.
+// Searches from within the last event on: if the length of that event is damaged, it hides events behind it.
 bool LogReader::go_on() {
   if (!file_) return false;
   constexpr std::array<uint8_t, 4> kMark = {kSync >> 24, kSync >> 16 & 0xFF, kSync >> 8 & 0xFF, kSync & 0xFF};

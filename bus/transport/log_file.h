@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files in the format of lcm-logger, event by event.
+// Reads and writes files in the format of lcm-logger, event by event.
 #pragma once
 
 #include <cstdint>
@@ -19,30 +19,34 @@ struct LogEvent {
   std::vector<uint8_t> data;
 };
 
-// Does the file begin like an lcm log? False if it cannot be read.
+// True if the file begins like an lcm log; false also if it cannot be read.
 bool is_lcm_log(const std::string& file);
 
 class LogReader {
  public:
   explicit LogReader(const std::string& file);  // see error()
 
-  // Nothing at the end; then error() tells a clean end from damage. All events before the damage are delivered.
+  // Reads the next event; nullopt at the end of the file and at damage, which error() then describes. All events before
+  // the damage are delivered.
   std::optional<LogEvent> next();
-  // The same for one channel: the data of others is skipped unread, and so is what goes beyond `most_bytes`.
+  // Reads the next event of one channel; nullopt as in next(). Data of other channels is skipped unread, and so is data
+  // beyond `most_bytes`.
   std::optional<LogEvent> next_on(const std::string& channel, size_t most_bytes = SIZE_MAX);
-  // The next one of any channel, with no more than so much of its data.
+  // Reads the next event of any channel, with at most the first `most_bytes` of its data; nullopt as in next().
   std::optional<LogEvent> next_head(size_t most_bytes);
-  // Where the last event that was read begins, for seek(): that event is then the next one.
+  // Returns the position of the last event that was read. After seek() to it, the same event is read again.
   int64_t position_of_last() const { return last_; }
   void seek(int64_t position);
-  // Behind damage, to the next place where an event may begin; false if there is none, and error() stays.
+  // Moves behind damage, to the next place where an event may begin. Returns false if there is no such place; error()
+  // then stays.
   bool go_on();
-  // Data of the last event from this byte of it on, whatever was read of it. What is read next stays.
+  // Returns the data of the last event from byte `from` on, also those that were skipped; empty if they cannot be read.
+  // Does not change what is read next.
   std::vector<uint8_t> data_of_last(size_t from);
-  int64_t position() const { return position_; }  // of the next event, or of the damage
-  // Empty, or why the file could not be opened or read on, with its name and the place.
+  int64_t position() const { return position_; }  // position of the next event, or of the damage
+  // Says why the file could not be opened or read on, with its name and the place; empty if it could.
   const std::string& error() const { return error_; }
-  int64_t size_bytes() const { return size_; }  // of the file
+  int64_t size_bytes() const { return size_; }  // size of the file
 
  private:
   std::optional<LogEvent> read(const std::string* only_channel, size_t most_bytes);
@@ -55,11 +59,11 @@ class LogReader {
   std::string name_, error_;
   std::unique_ptr<std::FILE, Close> file_;
   int64_t size_ = 0;      // bytes in the file
-  int64_t position_ = 0;  // of the next event
-  int64_t last_ = 0;      // of the last one
+  int64_t position_ = 0;  // position of the next event
+  int64_t last_ = 0;      // position of the last event
   int64_t last_data_ = 0, last_end_ = 0;
-  int64_t resumed_ = -1;  // where it went on behind damage
-  int64_t events_ = 0;    // read so far
+  int64_t resumed_ = -1;  // position at which reading went on behind damage
+  int64_t events_ = 0;    // events read so far
 };
 
 class LogWriter {
@@ -69,9 +73,9 @@ class LogWriter {
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
 
-  // False from the first failure on (disk full): what was written before is a readable log.
+  // Returns false from the first failure on (disk full). What was written before is a readable log.
   bool write(int64_t utime_us, const std::string& channel, std::span<const uint8_t> data);
-  // True when everything has reached the file.
+  // Returns true if everything has reached the file.
   bool close();
   const std::string& error() const { return error_; }
 

@@ -8,7 +8,7 @@
 namespace rumi {
 namespace {
 
-// Inode numbers.
+// Returns the inode numbers of this process's sockets.
 std::set<std::string> open_sockets() {
   const std::string prefix = "socket:[";
   std::set<std::string> inodes;

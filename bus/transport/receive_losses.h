@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the kernel throws away when messages come faster than this process takes them: nobody else would notice.
+// Counts the datagrams that the kernel drops because they come faster than this process takes them. LCM does not report
+// them.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +11,14 @@ namespace rumi {
 
 class ReceiveLosses {
  public:
-  // Make it before any socket is opened: those that are open already were inherited, and are not ours to read.
+  // Construct it before the process opens any socket: sockets that are open already were inherited, and do not count.
   ReceiveLosses();
-  // UDP datagrams that came for this process and found a full receive buffer. One of them loses the message that it is
-  // a part of. (Column `drops` of /proc/net/udp; 0 where there is none.)
+  // Returns how many UDP datagrams for this process found a full receive buffer. The message that such a datagram is a
+  // part of is lost. (Column `drops` of /proc/net/udp; 0 without that file.)
   int64_t datagrams() const;
 
  private:
-  std::set<std::string> inherited_;  // inode numbers
+  std::set<std::string> inherited_;  // inode numbers of sockets
 };
 
 }  // namespace rumi

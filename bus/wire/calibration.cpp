@@ -9,21 +9,17 @@
 
 namespace rumi {
 
-Calibration read_calibration(Fields in) {
+Result<Calibration> read_calibration(Fields in) {
   static const std::set<std::string> kKeys = {"model", "fx", "fy", "cx",    "cy",     "k1",  "k2",  "p1",
                                               "p2",    "k3", "k4", "width", "height", "fps", "mask"};
   Camera camera;
   std::string mask;
-  const auto done = [&] {
-    if (in.error().empty()) in.tell_unused();
-    return Calibration{camera, mask, in.notes(), in.error()};
-  };
   // A misspelt coefficient would silently count as zero.
   for (const std::string& name : in.names()) {
     if (kKeys.contains(name)) continue;
     in.fail(fmt::format("'{}' is not known: the keys are model fx fy cx cy k1 k2 p1 p2 k3 (k4) width height fps mask",
                         name.substr(0, 40)));
-    return done();
+    return *in.error();
   }
   const std::string model = in.text("model", "pinhole");
   const bool fisheye = model == "kannala_brandt" || model == "fisheye";
@@ -32,7 +28,7 @@ Calibration read_calibration(Fields in) {
         "model is '{}', and supported is only pinhole and kannala_brandt (or fisheye): calibrate with that, or "
         "rectify the images",
         model));
-    return done();
+    return *in.error();
   }
   camera.model = fisheye ? Camera::Model::kKannalaBrandt : Camera::Model::kPinhole;
   camera.width = in.size("width");
@@ -51,25 +47,25 @@ Calibration read_calibration(Fields in) {
     in.fail(fmt::format("k4 is {:.6g}, and only the model kannala_brandt has one: correct the model, or remove k4",
                         camera.k4));
   if (fisheye && (camera.p1 != 0 || camera.p2 != 0)) in.fail("p1 or p2 is not 0: model kannala_brandt has k1 k2 k3 k4");
-  return done();
+  if (!in.error()) in.tell_unused();
+  if (in.error()) return *in.error();
+  return Calibration{camera, mask, in.notes()};
 }
 
-std::string check_calibration(const Camera& camera) {
-  if (const std::string wrong = camera.check(); !wrong.empty()) return wrong + "; correct it there";
+Result<> check_calibration(const Camera& camera) {
+  if (const std::string wrong = camera.check(); !wrong.empty()) return Error{wrong, "", "correct it there"};
   if (!(camera.fps >= 0 && camera.fps <= 1e5))
-    return fmt::format("fps is {:.6g}: must be 0 (unknown) to 100000 images per second", camera.fps);
-  return fold_of(camera).problem;
+    return Error{fmt::format("fps is {:.6g}: must be 0 (unknown) to 100000 images per second", camera.fps)};
+  if (const Fold fold = fold_of(camera); fold.is_too_much) return Error{fold.text};
+  return {};
 }
 
-Calibration parse_calibration(const std::string& text, const std::string& name) {
-  Calibration result;
-  const std::optional<Fields> fields =
-      fields_of_text(text, name, "expected our YAML (fx: 525 ... width: 640)", &result.error);
-  if (!fields) return result;
-  result = read_calibration(*fields);
-  if (!result.ok()) return result;
-  if (const std::string wrong = check_calibration(result.camera); !wrong.empty())
-    result.error = fmt::format("{}: {}", name, wrong);
+Result<Calibration> parse_calibration(const std::string& text, const std::string& name) {
+  const Result<Fields> fields = fields_of_text(text, name, "expected our YAML (fx: 525 ... width: 640)");
+  if (!fields) return fields.error();
+  Result<Calibration> result = read_calibration(*fields);
+  if (!result) return result;
+  if (const Result<> checked = check_calibration(result->camera); !checked) return Error{checked.error_text(), name};
   return result;
 }
 

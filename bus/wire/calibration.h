@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "bus/wire/yaml_fields.h"
 #include "slam/geometry/camera.h"
 
@@ -13,20 +14,19 @@ namespace rumi {
 
 struct Calibration {
   Camera camera;
-  std::string mask;                // the file that it names; empty if it names none
-  std::vector<std::string> notes;  // its fields that are not used, to be logged once
-  std::string error;               // empty, or the name, field, value and what to do
-  bool ok() const { return error.empty(); }
+  std::string mask;                // name of the mask's file, as in the text; empty if it names no mask
+  std::vector<std::string> notes;  // name the fields that are not used; to be logged once
 };
 
-// `name` stands for the text in errors.
-Calibration parse_calibration(const std::string& text, const std::string& name);
-// The same text, already split into fields. Numbers are not judged: check_calibration() does that.
-Calibration read_calibration(Fields in);
-// Why no image can be used with this camera; empty if it can.
-std::string check_calibration(const Camera& camera);
+// Reads and checks a calibration. `name` stands for the text in Errors, which name the field, its value and what to do.
+Result<Calibration> parse_calibration(const std::string& text, const std::string& name);
+// Reads a calibration whose text is already split into fields. An Error if a field is missing, unknown or of a wrong
+// kind. Does not judge the numbers: check_calibration() does that.
+Result<Calibration> read_calibration(Fields in);
+// An Error says why no image can be used with this camera.
+Result<> check_calibration(const Camera& camera);
 
-// What parse_calibration() reads back without loss.
+// Returns a text that parse_calibration() reads back without loss.
 std::string camera_to_yaml(const Camera& camera);
 
 }  // namespace rumi

@@ -7,13 +7,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "bus/wire/jpeg_decoder.h"
+#include "slam/geometry/max_side.h"
 
 namespace rumi {
 namespace {
 
-constexpr int kMaxSide = 16384;  // pixels; what Camera::check() allows
-
-// Bytes per pixel of the raw formats, 0 for JPEG, negative for one we do not know.
+// Returns the bytes per pixel of a raw format, 0 for JPEG, and -1 for an unknown format.
 int bytes_per_pixel(int32_t pixelformat) {
   switch (pixelformat) {
     case image_t::PIXEL_FORMAT_GRAY:
@@ -29,18 +28,17 @@ int bytes_per_pixel(int32_t pixelformat) {
   }
 }
 
-std::string check_jpeg(const image_t& image) {
-  if (image.size == 0) return "size is 0: no JPEG data";
-  JpegSize size;
-  std::string error;
-  if (!inspect_jpeg(image.data, &size, &error)) return error;
-  // Before decoding: a bomb of 65535 x 65535 pixels must not be unpacked to be refused.
-  if (size.width == image.width && size.height == image.height) return {};
-  return fmt::format("the JPEG is {} x {} pixels but width x height is {} x {}", size.width, size.height, image.width,
-                     image.height);
+Result<> check_jpeg(const image_t& image) {
+  if (image.size == 0) return Error{"size is 0: no JPEG data"};
+  const Result<JpegSize> size = inspect_jpeg(image.data);
+  if (!size) return size.error();
+  // Checked before decoding: a small file that claims 65535 x 65535 pixels must be refused without being unpacked.
+  if (size->width == image.width && size->height == image.height) return {};
+  return Error{fmt::format("the JPEG is {} x {} pixels but width x height is {} x {}", size->width, size->height,
+                           image.width, image.height)};
 }
 
-// The message's pixels without a copy; valid as long as the message.
+// Returns the message's pixels without copying them; valid as long as the message.
 cv::Mat view(const image_t& image, int type) {
   return {image.height, image.width, type, const_cast<uint8_t*>(image.data.data()),
           static_cast<size_t>(image.row_stride)};
@@ -60,7 +58,8 @@ image_t make_raw(int64_t utime_us, const cv::Mat& pixels, int32_t pixelformat) {
   return image;
 }
 
-// " (NV12)": most formats are the four letters that V4L2 has for them, others numbers of libbot.
+// Returns a name such as " (NV12)", or an empty string. Most formats are V4L2's four letters, others are numbers of
+// libbot.
 std::string name_of_format(int32_t format) {
   constexpr int32_t kGray16 = 357, kRgb16 = 358;
   if (format == kGray16) return " (GRAY of 16 bits)";
@@ -73,45 +72,43 @@ std::string name_of_format(int32_t format) {
 
 }  // namespace
 
-// Nothing is read before all this holds: messages come from the network.
-std::string check_image(const image_t& image) {
+// Messages come from the network: all of this is checked before a pixel is read.
+Result<> check_image(const image_t& image) {
   const int bytes = bytes_per_pixel(image.pixelformat);
   if (bytes < 0)
-    return fmt::format("pixelformat is {}{}: supported are GRAY {}, RGB {}, MJPEG {} and YUYV {}", image.pixelformat,
-                       name_of_format(image.pixelformat), int{image_t::PIXEL_FORMAT_GRAY},
-                       int{image_t::PIXEL_FORMAT_RGB}, int{image_t::PIXEL_FORMAT_MJPEG},
-                       int{image_t::PIXEL_FORMAT_YUYV});
+    return Error{fmt::format("pixelformat is {}{}: supported are GRAY {}, RGB {}, MJPEG {} and YUYV {}",
+                             image.pixelformat, name_of_format(image.pixelformat), int{image_t::PIXEL_FORMAT_GRAY},
+                             int{image_t::PIXEL_FORMAT_RGB}, int{image_t::PIXEL_FORMAT_MJPEG},
+                             int{image_t::PIXEL_FORMAT_YUYV})};
   if (image.width < 1 || image.width > kMaxSide)
-    return fmt::format("width is {}: must be 1 to {}", image.width, kMaxSide);
+    return Error{fmt::format("width is {}: must be 1 to {}", image.width, kMaxSide)};
   if (image.height < 1 || image.height > kMaxSide)
-    return fmt::format("height is {}: must be 1 to {}", image.height, kMaxSide);
+    return Error{fmt::format("height is {}: must be 1 to {}", image.height, kMaxSide)};
   if (image.size < 0 || static_cast<size_t>(image.size) != image.data.size())
-    return fmt::format("size is {} but data has {} bytes", image.size, image.data.size());
+    return Error{fmt::format("size is {} but data has {} bytes", image.size, image.data.size())};
   if (bytes == 0) return check_jpeg(image);
   if (image.pixelformat == image_t::PIXEL_FORMAT_YUYV && image.width % 2 != 0)
-    return fmt::format("width is {}: must be even for YUYV", image.width);
+    return Error{fmt::format("width is {}: must be even for YUYV", image.width)};
   const int64_t row = int64_t{image.width} * bytes;
   if (image.row_stride < row)
-    return fmt::format("row_stride is {}: must be at least {} for a width of {}", image.row_stride, row, image.width);
+    return Error{
+        fmt::format("row_stride is {}: must be at least {} for a width of {}", image.row_stride, row, image.width)};
   // The last row may lack its padding.
   const int64_t needed = int64_t{image.row_stride} * (image.height - 1) + row;
   if (image.size < needed)
-    return fmt::format("size is {}: must be at least {} for {} rows of {} bytes", image.size, needed, image.height,
-                       image.row_stride);
+    return Error{fmt::format("size is {}: must be at least {} for {} rows of {} bytes", image.size, needed,
+                             image.height, image.row_stride)};
   return {};
 }
 
 namespace {
 
-cv::Mat decode(const image_t& image, bool grey, std::string* error) {
-  std::string ignored;
-  if (!error) error = &ignored;
-  *error = check_image(image);
-  if (!error->empty()) return {};
+Result<cv::Mat> decode(const image_t& image, bool grey) {
+  if (const Result<> checked = check_image(image); !checked) return checked.error();
   cv::Mat out;
   switch (image.pixelformat) {
     case image_t::PIXEL_FORMAT_MJPEG:
-      return decode_jpeg(image.data, grey, error);
+      return decode_jpeg(image.data, grey);
     case image_t::PIXEL_FORMAT_RGB:
       cv::cvtColor(view(image, CV_8UC3), out, grey ? cv::COLOR_RGB2GRAY : cv::COLOR_RGB2BGR);
       return out;
@@ -127,24 +124,22 @@ cv::Mat decode(const image_t& image, bool grey, std::string* error) {
 
 }  // namespace
 
-cv::Mat decode_grey(const image_t& image, std::string* error) { return decode(image, true, error); }
-cv::Mat decode_reduced_grey(const image_t& image, int reduction, std::string* error) {
+Result<cv::Mat> decode_grey(const image_t& image) { return decode(image, true); }
+
+Result<cv::Mat> decode_reduced_grey(const image_t& image, int reduction) {
   if (image.pixelformat == image_t::PIXEL_FORMAT_MJPEG) {
-    std::string problem = check_image(image);
-    cv::Mat reduced;
-    if (problem.empty()) reduced = decode_jpeg(image.data, true, &problem, reduction);
-    if (error) *error = problem;
-    return reduced;
+    if (const Result<> checked = check_image(image); !checked) return checked.error();
+    return decode_jpeg(image.data, true, reduction);
   }
-  const cv::Mat grey = decode_grey(image, error);
-  if (grey.empty() || reduction == 1) return grey;
-  const cv::Size size((grey.cols + reduction - 1) / reduction, (grey.rows + reduction - 1) / reduction);
+  const Result<cv::Mat> grey = decode_grey(image);
+  if (!grey || reduction == 1) return grey;
+  const cv::Size size((grey->cols + reduction - 1) / reduction, (grey->rows + reduction - 1) / reduction);
   cv::Mat reduced;
-  cv::resize(grey, reduced, size, 0, 0, cv::INTER_AREA);
+  cv::resize(*grey, reduced, size, 0, 0, cv::INTER_AREA);
   return reduced;
 }
 
-cv::Mat decode_bgr(const image_t& image, std::string* error) { return decode(image, false, error); }
+Result<cv::Mat> decode_bgr(const image_t& image) { return decode(image, false); }
 
 image_t make_grey_image(int64_t utime_us, const cv::Mat& grey) {
   CV_Assert(grey.type() == CV_8UC1);
@@ -171,13 +166,13 @@ image_t wrap_jpeg(int64_t utime_us, int width, int height, std::vector<uint8_t> 
   return image;
 }
 
-std::string metadata(const image_t& image, const std::string& key) {
+std::string_view metadata(const image_t& image, std::string_view key) {
   for (const image_metadata_t& entry : image.metadata)
-    if (entry.key == key) return {entry.value.begin(), entry.value.end()};
+    if (entry.key == key) return {reinterpret_cast<const char*>(entry.value.data()), entry.value.size()};
   return {};
 }
 
-void set_metadata(image_t* image, const std::string& key, const std::string& value) {
+void set_metadata(image_t* image, const std::string& key, std::string_view value) {
   auto entry = std::find_if(image->metadata.begin(), image->metadata.end(),
                             [&key](const image_metadata_t& m) { return m.key == key; });
   if (entry == image->metadata.end()) {

@@ -10,8 +10,8 @@
 namespace rumi {
 namespace {
 
-constexpr double kLeastOutside = 0.002;  // of the pixels that is worth a word
-constexpr double kMostOutside = 0.5;     // of the pixels: then the coefficients are wrong, or in another order
+constexpr double kLeastOutside = 0.002;  // share of the pixels; less is not worth a note
+constexpr double kMostOutside = 0.5;  // share of the pixels; above it the coefficients are wrong, or in another order
 
 double share_beyond(const Camera& camera, double radius) {
   constexpr int kSteps = 64;
@@ -38,16 +38,13 @@ Fold fold_of(const Camera& camera) {
       "{:.{}f} % of the image lies beyond {:.0f} px from cx, cy, where the distortion "
       "({}) folds the image",
       100 * share, share < 0.01 ? 1 : 0, radius * std::sqrt(camera.fx * camera.fy), coefficients(camera));
-  Fold fold;
   if (share > kMostOutside)
-    fold.problem = where +
-                   ": look at the coefficients and their order, or calibrate again with the board in the corners "
-                   "of the images, too";
-  else
-    fold.note = where +
-                ", and is not used; a calibration with the board in the corners of the images would tell what is "
-                "seen there";
-  return fold;
+    return {true, where +
+                      ": look at the coefficients and their order, or calibrate again with the board in the corners "
+                      "of the images, too"};
+  return {false, where +
+                     ", and is not used; a calibration with the board in the corners of the images would tell what is "
+                     "seen there"};
 }
 
 }  // namespace rumi

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Words for a distortion that folds the image (slam/geometry/lens_fold.h).
+// Describes a distortion that folds the image (slam/geometry/lens_fold.h).
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 namespace rumi {
 
 struct Fold {
-  std::string problem;  // why such a camera is of no use: little of the image is left
-  std::string note;     // which part of the image is not used
+  bool is_too_much = false;  // such a camera is of no use: little of the image is left
+  std::string text;          // which part of the image is not used, and what to do; empty if all of it is
 };
 Fold fold_of(const Camera& camera);
 

@@ -16,17 +16,13 @@ namespace {
 constexpr size_t kMostBytes = 16'000'000;
 constexpr int64_t kMostPixels = 100'000'000;  // a PNG of a hundred bytes may ask for gigabytes
 
-// A header that says so is believed before room is made for the pixels.
-std::string why_unfit(const std::string& bytes, const cv::Size& of_image) {
+// Decodes the mask of an image of the given size. The size in the mask's header is checked before memory is allocated
+// for the pixels; an Error if it is another one.
+Result<cv::Mat> decode_mask_of(const cv::Size& image, std::string_view bytes) {
   const cv::Size size = size_of_mask(bytes);
-  if (size.empty() || size == of_image) return {};
-  return fmt::format("the mask is {} x {} pixels and the image {} x {}", size.width, size.height, of_image.width,
-                     of_image.height);
-}
-
-ImageMask mask_of_size(const std::string& bytes, const cv::Size& of_image, const cv::Size& wanted, std::string* error) {
-  *error = why_unfit(bytes, of_image);
-  return error->empty() ? ImageMask(decode_mask(bytes, error)).resized(wanted) : ImageMask();
+  if (size.empty() || size == image) return decode_mask(bytes);
+  return Error{fmt::format("the mask is {} x {} pixels and the image {} x {}", size.width, size.height, image.width,
+                           image.height)};
 }
 
 }  // namespace
@@ -51,40 +47,39 @@ cv::Size size_of_mask(std::string_view bytes) {
   return {static_cast<int>(width), static_cast<int>(height)};
 }
 
-cv::Mat decode_mask(const std::string& bytes, std::string* error) {
+Result<cv::Mat> decode_mask(std::string_view bytes) {
   const cv::Size size = size_of_mask(bytes);
-  if (int64_t{size.width} * size.height > kMostPixels || bytes.size() > kMostBytes) {
-    *error = fmt::format("the mask is too large ({} x {} pixels in {} bytes)", size.width, size.height, bytes.size());
-    return {};
-  }
+  if (int64_t{size.width} * size.height > kMostPixels || bytes.size() > kMostBytes)
+    return Error{
+        fmt::format("the mask is too large ({} x {} pixels in {} bytes)", size.width, size.height, bytes.size())};
   cv::Mat pixels;
   if (!size.empty()) try {
       const std::vector<uchar> data(bytes.begin(), bytes.end());
       pixels = cv::imdecode(data, cv::IMREAD_UNCHANGED);
-    } catch (const cv::Exception&) {  // one that OpenCV refuses
+    } catch (const cv::Exception&) {  // a PNG that OpenCV refuses
     }
-  if (pixels.empty()) {
-    *error = "the mask is no PNG that can be read";
-    return {};
-  }
+  if (pixels.empty()) return Error{"the mask is no PNG that can be read"};
   std::vector<cv::Mat> channels;
   cv::split(pixels, channels);
-  if (channels.size() == 2 || channels.size() == 4) channels.pop_back();  // opacity
+  if (channels.size() == 2 || channels.size() == 4) channels.pop_back();  // the last channel is the opacity
   cv::Mat world = channels.front() != 0;
   for (const cv::Mat& channel : channels) world |= channel != 0;
   return world;
 }
 
-const ImageMask& MaskReader::read(const image_t& image, const cv::Size& size, std::string* error) {
-  const std::string bytes = metadata(image, kMaskKey);
-  if (bytes != bytes_ || size != size_) {
-    error_.clear();
-    mask_ = bytes.empty() ? ImageMask() : mask_of_size(bytes, {image.width, image.height}, size, &error_);
-    mask_ = mask_.and_also(always_.resized(size));
-    bytes_ = bytes;
-    size_ = size;
+const ImageMask& MaskReader::read(const image_t& image, const cv::Size& size) {
+  const std::string_view bytes = metadata(image, kMaskKey);
+  if (bytes == bytes_ && size == size_) return mask_;
+  problem_.clear();
+  mask_ = ImageMask();
+  if (!bytes.empty()) {
+    const Result<cv::Mat> pixels = decode_mask_of({image.width, image.height}, bytes);
+    if (pixels) mask_ = ImageMask(*pixels).resized(size);
+    problem_ = pixels.error_text();
   }
-  *error = error_;
+  mask_ = mask_.and_also(always_.resized(size));
+  bytes_ = bytes;
+  size_ = size;
   return mask_;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of an image shows the world, as it travels with the image: a PNG of its size in the metadata, black where
-// something else is seen (COLMAP's convention).
+// A mask tells which part of an image shows the world. It travels with the image: a PNG of the image's size in its
+// metadata, black where something else is seen (COLMAP's convention).
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/result.h"
 #include "lcmtypes/rumi/image_t.hpp"
 #include "slam/features/image_mask.h"
 
@@ -15,27 +16,30 @@ namespace rumi {
 
 inline constexpr const char* kMaskKey = "mask";
 
-// Black and white, losslessly: 0 stays 0, all else becomes white. The bytes of a PNG.
+// Returns the bytes of a PNG with two colours: 0 stays black, everything else becomes white.
 std::string encode_mask(const cv::Mat& pixels);
-// What the header of a PNG says; nothing if it is none.
+// Returns the size that a PNG's header gives, read from its first kMaskHeaderBytes; empty if this is no PNG.
 cv::Size size_of_mask(std::string_view bytes);
-inline constexpr size_t kMaskHeaderBytes = 24;  // so many tell it
-// A PNG's bytes; of several channels a pixel is left out if it is black, and opacity counts for nothing. 255 is the
-// world. Empty, and in *error what is wrong, if they are none.
-cv::Mat decode_mask(const std::string& bytes, std::string* error);
+inline constexpr size_t kMaskHeaderBytes = 24;
+// Returns an image that is 255 where the world is seen, else 0. In a PNG of several channels a pixel is left out if all
+// are black; opacity is not looked at. An Error if the bytes are no PNG, or unpack to too much.
+Result<cv::Mat> decode_mask(std::string_view bytes);
 
-// Takes the masks out of images. Images in a row mostly have the same one: it is decoded once.
+// Takes the masks out of images. Consecutive images mostly carry the same mask: it is decoded once.
 class MaskReader {
  public:
-  // `always`: a mask of all images besides, which may have another size.
+  // `always`: pixels that it leaves out are left out of every image. It may have another size than the images.
   explicit MaskReader(ImageMask always = {}) : always_(std::move(always)) {}
 
-  // As large as `size`. In *error what is wrong with the image's mask, which counts for nothing then.
-  const ImageMask& read(const image_t& image, const cv::Size& size, std::string* error);
+  // Returns the image's mask joined with `always`, resized to `size`. A mask that cannot be used counts as missing: see
+  // problem().
+  const ImageMask& read(const image_t& image, const cv::Size& size);
+  // Says why the mask of the last image that was read cannot be used; empty if it can.
+  const std::string& problem() const { return problem_; }
 
  private:
   ImageMask always_;
-  std::string bytes_, error_;
+  std::string bytes_, problem_;
   cv::Size size_;
   ImageMask mask_;
 };

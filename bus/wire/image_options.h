@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How images are worked on: the same in all who look at them, or their keypoints would not be the same.
+// Options on how images are worked on. All processes must use the same ones, or their keypoints would differ.
 #pragma once
 
 #include "base/command_line/options.h"
@@ -7,7 +7,7 @@
 
 namespace rumi {
 
-// Section "image". Each process adds it with fields of its own.
+// Adds the section "image" to the options of a process, which keeps the values in its own variables.
 void describe_image(OptionTable& table, int* max_image_side, Pyramid* pyramid);
 
 }  // namespace rumi

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which camera or recording an image is of: times alone do not tell (docs/wire.md, "Names of things").
+// Tells which camera or recording an image comes from; its time alone does not (docs/wire.md, "Names of things").
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace rumi {
 
-// Decimal, above 0.
+// Key in the image's metadata. The value is a decimal number above 0.
 inline constexpr const char* kStreamKey = "stream";
 
 inline constexpr int64_t kNoStream = 0;
 
-// kNoStream where the image does not name it, or names none that there can be.
+// Returns the image's stream; kNoStream if it names no stream, or an impossible one.
 int64_t stream_of(const image_t& image);
 void set_stream(int64_t stream, image_t* image);
 

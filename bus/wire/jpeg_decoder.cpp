@@ -4,17 +4,18 @@
 #include <csetjmp>
 #include <cstdio>
 
-// After <cstdio>, which it needs and does not include.
+// jpeglib.h needs <cstdio> and does not include it.
 #include <jpeglib.h>
-// After jpeglib.h.
+// jerror.h needs jpeglib.h.
 #include <jerror.h>
+
+#include "slam/geometry/max_side.h"
 
 namespace rumi {
 namespace {
 
 // Webcams are known to leave a few stray bytes before a marker; more of them is damage.
 constexpr int kTolerableStrayBytes = 16;
-constexpr int kMaxSide = 16384;  // pixels; what Camera::check() allows
 
 struct ErrorManager {
   jpeg_error_mgr base;  // first: libjpeg hands back a pointer to it
@@ -35,7 +36,8 @@ void on_message(j_common_ptr info, int level) {
   if (warning && !stray) fail(info);
 }
 
-// Only trivial locals here: an error leaves by longjmp, which runs no destructors. `out` belongs to the caller.
+// Returns false if the JPEG is damaged; errors.message then says how. Local variables must be trivial: an error leaves
+// by longjmp, which runs no destructors. `out` belongs to the caller.
 bool decode_into(std::span<const uint8_t> data, bool grey, int reduction, cv::Mat& out, ErrorManager& errors) {
   jpeg_decompress_struct jpeg;
   jpeg.err = jpeg_std_error(&errors.base);
@@ -61,12 +63,10 @@ bool decode_into(std::span<const uint8_t> data, bool grey, int reduction, cv::Ma
   return true;
 }
 
-bool corrupt(const char* why, std::string* error) {
-  *error = std::string("corrupt JPEG (") + why + ")";
-  return false;
-}
+Error corrupt(const char* why) { return {std::string("corrupt JPEG (") + why + ")"}; }
 
-// After the last end marker that follows `begin`, or 0. Some cameras leave bytes behind it.
+// Returns the position behind the last end marker after `begin`, or 0 if there is none. Some cameras leave bytes behind
+// it.
 size_t end_of_jpeg(std::span<const uint8_t> data, size_t begin) {
   for (size_t end = data.size(); end >= begin + 2; --end)
     if (data[end - 2] == 0xFF && data[end - 1] == 0xD9) return end;
@@ -75,11 +75,11 @@ size_t end_of_jpeg(std::span<const uint8_t> data, size_t begin) {
 
 }  // namespace
 
-bool inspect_jpeg(std::span<const uint8_t> data, JpegSize* size, std::string* error) {
-  *size = {};
-  if (data.size() < 4 || data[0] != 0xFF || data[1] != 0xD8) return corrupt("no start marker", error);
+Result<JpegSize> inspect_jpeg(std::span<const uint8_t> data) {
+  JpegSize size;
+  if (data.size() < 4 || data[0] != 0xFF || data[1] != 0xD8) return corrupt("no start marker");
   for (size_t at = 2; at + 9 < data.size();) {
-    if (data[at] != 0xFF) return corrupt("a marker was expected", error);
+    if (data[at] != 0xFF) return corrupt("a marker was expected");
     const uint8_t marker = data[at + 1];
     if (marker == 0xFF) {  // fill byte
       ++at;
@@ -87,34 +87,31 @@ bool inspect_jpeg(std::span<const uint8_t> data, JpegSize* size, std::string* er
     }
     const bool is_frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
     if (is_frame) {
-      size->height = data[at + 5] << 8 | data[at + 6];
-      size->width = data[at + 7] << 8 | data[at + 8];
-      if (size->width == 0 || size->height == 0) return corrupt("its size is 0", error);
+      size.height = data[at + 5] << 8 | data[at + 6];
+      size.width = data[at + 7] << 8 | data[at + 8];
+      if (size.width == 0 || size.height == 0) return corrupt("its size is 0");
     }
     if (marker == 0xDA) {
-      if (size->width == 0) break;  // pixels before a frame header
-      size->bytes = end_of_jpeg(data, at);
-      return size->bytes > 0 || corrupt("truncated: no end marker", error);
+      if (size.width == 0) break;  // pixels before a frame header
+      size.bytes = end_of_jpeg(data, at);
+      if (size.bytes == 0) return corrupt("truncated: no end marker");
+      return size;
     }
     at += 2 + static_cast<size_t>(data[at + 2] << 8 | data[at + 3]);
   }
-  return corrupt(size->width > 0 ? "truncated: no pixels" : "no frame header", error);
+  return corrupt(size.width > 0 ? "truncated: no pixels" : "no frame header");
 }
 
-cv::Mat decode_jpeg(std::span<const uint8_t> data, bool grey, std::string* error, int reduction) {
+Result<cv::Mat> decode_jpeg(std::span<const uint8_t> data, bool grey, int reduction) {
   CV_Assert(reduction == 1 || reduction == 2 || reduction == 4 || reduction == 8);
-  JpegSize size;
-  if (!inspect_jpeg(data, &size, error)) return {};
-  if (size.width > kMaxSide || size.height > kMaxSide) {
-    corrupt("more than 16384 pixels wide or high", error);
-    return {};
-  }
+  const Result<JpegSize> size = inspect_jpeg(data);
+  if (!size) return size.error();
+  if (size->width > kMaxSide || size->height > kMaxSide) return corrupt("more than 16384 pixels wide or high");
   const auto reduced = [reduction](int side) { return (side + reduction - 1) / reduction; };
-  cv::Mat out(reduced(size.height), reduced(size.width), grey ? CV_8UC1 : CV_8UC3);
+  cv::Mat out(reduced(size->height), reduced(size->width), grey ? CV_8UC1 : CV_8UC3);
   ErrorManager errors{};
   if (decode_into(data, grey, reduction, out, errors)) return out;
-  corrupt(errors.message, error);
-  return {};
+  return corrupt(errors.message);
 }
 
 }  // namespace rumi

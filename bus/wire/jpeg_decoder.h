@@ -1,28 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Strict and silent JPEG decoding. cv::imdecode prints to stderr and hands out images whose lower part is grey when the
-// data is broken; a tracker must know.
+// Decodes JPEG strictly and silently. For broken data cv::imdecode prints to stderr and returns images whose lower part
+// is grey; a tracker must know that they are broken.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <span>
-#include <string>
+
+#include "base/result.h"
 
 namespace rumi {
 
 struct JpegSize {
   int width = 0, height = 0;  // pixels
-  size_t bytes = 0;           // up to the end of the image: some cameras leave something behind it
+  size_t bytes = 0;           // up to the end marker: some cameras leave something behind it
 };
 
-// Size from the frame header, without decoding. False, and why in *error: no JPEG, no end marker (truncated), no frame
-// header.
-bool inspect_jpeg(std::span<const uint8_t> data, JpegSize* size, std::string* error);
+// Reads the size from the frame header, without decoding. An Error if this is no JPEG, has no frame header, or is
+// truncated (no end marker).
+Result<JpegSize> inspect_jpeg(std::span<const uint8_t> data);
 
-// 8-bit grey or BGR. An orientation noted in the file is not applied: it would turn the image away from its
-// calibration. With a reduction of 2, 4 or 8 the image is decoded so many times smaller (sizes rounded up), which is
-// much faster. On failure, also when libjpeg could go on with guessed pixels, an empty Mat and why in *error.
-cv::Mat decode_jpeg(std::span<const uint8_t> data, bool grey, std::string* error, int reduction = 1);
+// Decodes to 8-bit grey or BGR. An orientation noted in the file is not applied: it would turn the image away from its
+// calibration. With a `reduction` of 2, 4 or 8 both sides of the image are divided by it (rounded up), which is much
+// faster. An Error also where libjpeg could go on with guessed pixels.
+Result<cv::Mat> decode_jpeg(std::span<const uint8_t> data, bool grey, int reduction = 1);
 
 }  // namespace rumi

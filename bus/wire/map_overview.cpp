@@ -7,7 +7,7 @@ namespace rumi {
 
 void MapOverview::take(const map_status_t& status) {
   const auto in_all = static_cast<size_t>(std::max<int64_t>(0, int64_t{status.front_submaps} + status.back_submaps));
-  // The revision of a map never falls, and no submap of it ever goes.
+  // Within one map the revision never falls and no submap disappears.
   const bool another_map = status.map_revision < map_revision_ || in_all < submaps_.size();
   if (another_map || status.submaps.size() >= in_all) submaps_.clear();
   if (another_map) links_.clear();

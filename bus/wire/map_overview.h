@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What RUMI_MAP_STATUS has told so far of a map that may need several pages.
+// Collects what RUMI_MAP_STATUS tells about a map that may need several pages.
 #pragma once
 
 #include <map>
@@ -11,14 +11,14 @@ namespace rumi {
 
 class MapOverview {
  public:
-  // What a page does not list stays as it was said last, unless it says that nothing else is there, or it is of another
-  // map than what was heard before.
+  // Takes in a page. Submaps and links that it does not list stay as they were last told, unless the page is complete
+  // or comes from another map.
   void take(const map_status_t& status);
 
   const std::map<SubmapKey, submap_summary_t>& submaps() const { return submaps_; }
   int64_t map_revision() const { return map_revision_; }
   const std::map<int64_t, link_t>& links() const { return links_; }  // by their number
-  // All that there is has been told.
+  // True if every submap and link of the map has been told.
   bool complete() const { return heard_ && submaps_.size() >= submaps_in_all_ && links_.size() >= links_in_all_; }
 
  private:

@@ -16,7 +16,7 @@ namespace {
 constexpr size_t kMostBytes = 64 << 20;
 constexpr const char* kExpected = "give a PNG of the images' size, black where it is to be left out";
 
-// Nothing of what is no file.
+// Returns the first bytes of the file, at most `most`; empty if it cannot be read.
 std::string beginning_of(const std::string& file, size_t most) {
   std::error_code code;
   const std::uintmax_t size = std::filesystem::file_size(file, code);
@@ -27,45 +27,42 @@ std::string beginning_of(const std::string& file, size_t most) {
   return bytes;
 }
 
-// Of a file of which these bytes were read.
-std::string why_unfit(const std::string& file, const std::string& bytes, const cv::Size& size) {
-  if (const std::string why = why_unreadable(file, kExpected); !why.empty()) return fmt::format("{}: {}", file, why);
+// An Error if the file is no PNG of this size. `beginning`: the first bytes of the file.
+Result<> check_beginning(const std::string& file, const std::string& beginning, const cv::Size& size) {
+  if (const std::string why = why_unreadable(file, kExpected); !why.empty()) return Error{why, file};
   std::error_code code;
-  if (!std::filesystem::is_regular_file(file, code)) return fmt::format("{}: is not a file; {}", file, kExpected);
-  const cv::Size its = size_of_mask(bytes);
-  if (its.empty()) return fmt::format("{}: is not a PNG; {}", file, kExpected);
+  if (!std::filesystem::is_regular_file(file, code)) return Error{"is not a file", file, kExpected};
+  const cv::Size its = size_of_mask(beginning);
+  if (its.empty()) return Error{"is not a PNG", file, kExpected};
   if (its == size) return {};
-  return fmt::format(
-      "{}: the mask is {} x {} pixels and the images are {} x {}: make it of their size (`rumi mask RECORDING -o FILE` "
-      "writes one that fits)",
-      file, its.width, its.height, size.width, size.height);
+  return Error{fmt::format("the mask is {} x {} pixels and the images are {} x {}: make it of their size (`rumi mask "
+                           "RECORDING -o FILE` writes one that fits)",
+                           its.width, its.height, size.width, size.height),
+               file};
 }
 
 }  // namespace
 
-double MaskFile::left_out() const {
-  return pixels.empty() ? 0 : 1 - static_cast<double>(cv::countNonZero(pixels)) / static_cast<double>(pixels.total());
+double share_left_out(const cv::Mat& mask) {
+  return mask.empty() ? 0 : 1 - static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
 }
 
-std::string why_unfit(const std::string& file, const cv::Size& size) {
-  return why_unfit(file, beginning_of(file, kMaskHeaderBytes), size);
+Result<> check_mask_file(const std::string& file, const cv::Size& size) {
+  return check_beginning(file, beginning_of(file, kMaskHeaderBytes), size);
 }
 
-MaskFile read_mask_file(const std::string& file, const cv::Size& size) {
-  MaskFile mask;
+Result<cv::Mat> read_mask_file(const std::string& file, const cv::Size& size) {
   const std::string bytes = beginning_of(file, kMostBytes);
-  mask.error = why_unfit(file, bytes, size);
-  if (!mask.ok()) return mask;
-  std::string why;
-  mask.pixels = decode_mask(bytes, &why);
-  if (mask.pixels.empty()) mask.error = fmt::format("{}: {}; {}", file, why, kExpected);
-  return mask;
+  if (const Result<> checked = check_beginning(file, bytes, size); !checked) return checked.error();
+  const Result<cv::Mat> pixels = decode_mask(bytes);
+  if (!pixels) return Error{pixels.error().what, file, kExpected};
+  return pixels;
 }
 
-MaskFile read_camera_mask(const std::string& file, const cv::Size& size) {
-  MaskFile mask = read_mask_file(file, size);
-  if (mask.ok() && cv::countNonZero(mask.pixels) == 0)
-    mask.error = fmt::format("{}: is black all over: black is left out, and white is the world", file);
+Result<cv::Mat> read_camera_mask(const std::string& file, const cv::Size& size) {
+  const Result<cv::Mat> mask = read_mask_file(file, size);
+  if (mask && cv::countNonZero(*mask) == 0)
+    return Error{"is black all over: black is left out, and white is the world", file};
   return mask;
 }
 

@@ -5,40 +5,20 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "bus/wire/calibration.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update_check.h"
 
 namespace rumi {
 namespace {
 
-// Descriptors travel as they lie in memory.
+// Descriptors travel byte by byte, as they are in memory.
 static_assert(std::endian::native == std::endian::little);
-
-constexpr double kUnitTolerance = 1e-3;       // of a quaternion's length
-constexpr double kRoundingTolerance = 1e-12;  // below it a quaternion is left as it is: the round trip keeps every bit
-
-template <class Wire>
-void put(const Eigen::Quaterniond& q, const Eigen::Vector3d& t, Wire* wire) {
-  for (int i = 0; i < 3; ++i) wire->trans[i] = t[i];
-  wire->quat[0] = q.w(), wire->quat[1] = q.x(), wire->quat[2] = q.y(), wire->quat[3] = q.z();
-}
-
-template <class Wire, class Transform>
-bool take(const Wire& wire, Transform* transform) {
-  transform->rotation = Eigen::Quaterniond(wire.quat[0], wire.quat[1], wire.quat[2], wire.quat[3]);
-  transform->translation = Eigen::Vector3d(wire.trans[0], wire.trans[1], wire.trans[2]);
-  if (!transform->is_finite()) return false;
-  const double length = transform->rotation.norm();
-  if (std::abs(length - 1.0) > kUnitTolerance) return false;
-  if (std::abs(length - 1.0) > kRoundingTolerance) transform->rotation.normalize();
-  return true;
-}
 
 keyframe_features_t features_to_wire(const Keyframe& keyframe) {
   keyframe_features_t wire;
@@ -82,7 +62,8 @@ keyframe_t keyframe_to_wire(const Keyframe& keyframe) {
   return wire;
 }
 
-// A whole update does not tell what was removed before it.
+// Empties the submap for an update that holds all of it. Such an update does not list the elements that were removed
+// earlier, so removals before `revision` are forgotten.
 void start_over(int64_t revision, Submap* s) {
   *s = Submap();
   s->removed_keyframes.forget(revision);
@@ -196,26 +177,25 @@ submap_update_t make_submap_update(const Submap& submap, int64_t base_revision) 
   return u;
 }
 
-std::string apply_submap_update(const submap_update_t& update, Submap* submap) {
-  std::string wrong = check_update_header(update, *submap);
-  if (wrong.empty() && update.revision <= submap->revision) return "";
-  Calibration calibration;
+Result<> apply_submap_update(const submap_update_t& update, Submap* submap) {
+  const auto refuse = [&update](const std::string& why) {
+    return Error{fmt::format("update of submap {}: {}", update.submap_id, why)};
+  };
+  if (const Result<> header = check_update_header(update, *submap); !header) return refuse(header.error_text());
+  if (update.revision <= submap->revision) return {};
+  const Result<Calibration> calibration = parse_calibration(update.calibration, "calibration");
+  if (!calibration) return refuse(calibration.error_text());
   const bool is_whole = update.base_revision == 0;
+  if (!is_whole && camera_to_yaml(calibration->camera) != camera_to_yaml(submap->camera))
+    return refuse("its calibration is not that of the submap");
   const Submap nothing;
-  if (wrong.empty()) {
-    calibration = parse_calibration(update.calibration, "calibration");
-    wrong = calibration.error;
-  }
-  if (wrong.empty() && !is_whole && camera_to_yaml(calibration.camera) != camera_to_yaml(submap->camera))
-    wrong = "its calibration is not that of the submap";
-  if (wrong.empty())
-    wrong = check_update_elements(update, calibration.camera, is_whole ? nothing : std::as_const(*submap));
-  if (!wrong.empty()) return fmt::format("update of submap {}: {}", update.submap_id, wrong);
-
+  const Result<> elements =
+      check_update_elements(update, calibration->camera, is_whole ? nothing : std::as_const(*submap));
+  if (!elements) return refuse(elements.error_text());
   if (is_whole) start_over(update.revision, submap);
   submap->key = {update.session, update.submap_id};
   submap->kind = static_cast<SubmapKind>(update.kind);
-  submap->camera = calibration.camera;
+  submap->camera = calibration->camera;
   submap->stream = update.stream;
   submap->pyramid = {update.levels, update.scale_factor};
   submap->closed = update.closed;
@@ -226,40 +206,7 @@ std::string apply_submap_update(const submap_update_t& update, Submap* submap) {
   for (const frame_t& f : update.frames)
     submap->frames[f.utime] = {f.utime, f.reference_keyframe, *from_wire(f.cam_from_keyframe), update.revision,
                                sigmas_of(f)};
-  return "";
-}
-
-rigid_t to_wire(const SE3& pose) {
-  rigid_t wire;
-  put(pose.rotation, pose.translation, &wire);
-  return wire;
-}
-
-similarity_t to_wire(const Sim3& similarity) {
-  similarity_t wire;
-  wire.scale = similarity.scale;
-  put(similarity.rotation, similarity.translation, &wire);
-  return wire;
-}
-
-rigid_transform_t to_wire(int64_t utime, const SE3& pose) {
-  rigid_transform_t wire;
-  wire.utime = utime;
-  put(pose.rotation, pose.translation, &wire);
-  return wire;
-}
-
-std::optional<SE3> from_wire(const rigid_t& pose) {
-  SE3 result;
-  if (!take(pose, &result)) return std::nullopt;
-  return result;
-}
-
-std::optional<Sim3> from_wire(const similarity_t& similarity) {
-  Sim3 result;
-  result.scale = similarity.scale;
-  if (!take(similarity, &result) || similarity.scale <= 0) return std::nullopt;
-  return result;
+  return {};
 }
 
 }  // namespace rumi

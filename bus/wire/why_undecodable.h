@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is wrong with bytes that do not decode as a message of type T: a message begins with the fingerprint of its
-// type, so another version of it can be told from damage.
+// Says why bytes do not decode as a message of type T. A message begins with the fingerprint of its type, which tells
+// another version of the type from damage.
 #pragma once
 
 #include <fmt/format.h>

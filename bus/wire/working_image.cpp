@@ -12,7 +12,8 @@
 namespace rumi {
 namespace {
 
-// A JPEG is decoded many times faster into a half or a quarter of its size.
+// Returns by how much decoding may reduce the image (1, 2, 4 or 8) without making it smaller than `working`: a JPEG is
+// decoded much faster at a reduced size.
 int largest_reduction(const Camera& camera, const Camera& working) {
   int reduction = 8;
   while (reduction > 1 && (camera.width % reduction || camera.height % reduction ||
@@ -31,16 +32,14 @@ Camera working_camera(const Camera& camera, int max_side) {
                         static_cast<int>(std::lround(camera.height * factor)));
 }
 
-cv::Mat decode_working_image(const image_t& image, const Camera& camera, const Camera& working, std::string* error) {
-  if (image.width != camera.width || image.height != camera.height) {
-    *error = fmt::format("it is {}x{} but the calibration is for {}x{}", image.width, image.height, camera.width,
-                         camera.height);
-    return {};
-  }
-  cv::Mat grey = decode_reduced_grey(image, largest_reduction(camera, working), error);
-  if (grey.empty() || (grey.cols == working.width && grey.rows == working.height)) return grey;
+Result<cv::Mat> decode_working_image(const image_t& image, const Camera& camera, const Camera& working) {
+  if (image.width != camera.width || image.height != camera.height)
+    return Error{fmt::format("it is {}x{} but the calibration is for {}x{}", image.width, image.height, camera.width,
+                             camera.height)};
+  Result<cv::Mat> grey = decode_reduced_grey(image, largest_reduction(camera, working));
+  if (!grey || (grey->cols == working.width && grey->rows == working.height)) return grey;
   cv::Mat resized;
-  cv::resize(grey, resized, cv::Size(working.width, working.height), 0, 0, cv::INTER_AREA);
+  cv::resize(*grey, resized, cv::Size(working.width, working.height), 0, 0, cv::INTER_AREA);
   return resized;
 }
 

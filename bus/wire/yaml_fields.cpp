@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kDeepest = 8;
 constexpr size_t kMostFields = 5000;
-constexpr size_t kMostNodes = 65536;  // anchors can make a few bytes of YAML as long as they like, or endless
-constexpr size_t kMostValues = 64;    // of a list: the longest real one has 16
+constexpr size_t kMostNodes = 65536;  // with anchors, a few bytes of YAML can stand for any number of nodes
+constexpr size_t kMostValues = 64;    // in a list: the longest real one has 16
 constexpr size_t kMostNamed = 8;
 constexpr const char* kTooManyFields = "has too many fields for a camera calibration";
 
@@ -31,7 +31,8 @@ std::string quoted_node(const YAML::Node& node) {
   return text.size() > 40 ? fmt::format("'{}...'", text.substr(0, 40)) : fmt::format("'{}'", text);
 }
 
-// Counts down, as far as anything here looks into the file.
+// True if the node has more than *left nodes, itself included. Reduces *left by those that it visits, down to the depth
+// that Fields reads.
 bool has_more_nodes_than(size_t* left, const YAML::Node& node, int depth) {
   if (*left == 0) return true;
   --*left;
@@ -48,7 +49,7 @@ bool holds_groups(const YAML::Node& list, int depth) {
   return false;
 }
 
-// The last part of a name: what it is called in the model's equations.
+// True if the last part of the name is a number of the optics: one that the equations of a camera model use.
 bool is_optics(const std::string& name) {
   static const std::set<std::string> kOptics = {"k1", "k2", "k3", "k4",   "k5",    "k6",   "p1",    "p2", "p3", "p4",
                                                 "s1", "s2", "s3", "s4",   "taux",  "tauy", "omega", "xi", "b1", "b2",
@@ -56,7 +57,7 @@ bool is_optics(const std::string& name) {
   return kOptics.contains(name.substr(name.rfind('.') + 1));
 }
 
-// "data:[1, 2" and "Camera.fx:500" with a space behind the colon.
+// Puts a space behind the colon of "data:[1, 2" and "Camera.fx:500".
 std::string with_spaces(const std::string& text) {
   std::string spaced;
   bool in_key = true;  // nothing but a name so far in this line
@@ -78,7 +79,7 @@ YAML::Node load_yaml(std::string text) {
   // OpenCV's "%YAML:1.0" is no directive of YAML's, and OpenCV needs no space behind a key's colon.
   if (text.starts_with("%YAML")) text = with_spaces(text.erase(0, text.find('\n')));
   if (text.find_first_not_of(" \t\r\n") != std::string::npos && text[text.find_first_not_of(" \t\r\n")] == '{')
-    std::replace(text.begin(), text.end(), '\t', ' ');  // JSON may be indented with them, YAML may not
+    std::replace(text.begin(), text.end(), '\t', ' ');  // JSON may be indented with tabs, YAML may not
   return YAML::Load(text);
 }
 
@@ -123,7 +124,7 @@ Fields Fields::group(const std::string& prefix) const {
 }
 
 void Fields::fail(const std::string& what) {
-  if (error_.empty()) error_ = fmt::format("{}: {}", file_, what);
+  if (!error_) error_ = Error{what, file_};
 }
 
 void Fields::note(const std::string& what) { notes_.push_back(fmt::format("{}: {}", file_, what)); }
@@ -197,7 +198,7 @@ std::vector<double> Fields::list(const std::string& key, const std::string& mean
 
 std::vector<double> Fields::list(const std::string& key, const std::string& meaning, size_t count) {
   std::vector<double> values = list(key, meaning);
-  if (error_.empty() && values.size() != count)
+  if (!error_ && values.size() != count)
     fail(fmt::format("{} has {} values: must have {} ({})", full(key), values.size(), count, meaning));
   values.resize(count);
   return values;
@@ -242,12 +243,8 @@ void Fields::tell_unused() {
   note(fmt::format("not used of it: {}{}", fmt::join(unused, ", "), more > 0 ? fmt::format(" and {} more", more) : ""));
 }
 
-std::optional<Fields> fields_of_text(const std::string& text, const std::string& name, const std::string& expected,
-                                     std::string* error) {
-  const auto refuse = [&](const std::string& why) {
-    *error = fmt::format("{}: {}", name, why);
-    return std::nullopt;
-  };
+Result<Fields> fields_of_text(const std::string& text, const std::string& name, const std::string& expected) {
+  const auto refuse = [&](const std::string& why) { return Error{why, name}; };
   const auto is_space = [](unsigned char c) { return std::isspace(c) != 0; };
   if (text.size() > kMaxYamlBytes)
     return refuse(fmt::format("is longer than {} bytes: not a camera calibration; {}", kMaxYamlBytes, expected));

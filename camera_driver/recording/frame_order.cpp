@@ -15,24 +15,24 @@
 namespace rumi::camera_driver {
 namespace {
 
-constexpr double kMaxDisorder = 0.1;    // steps back, of all: more of them is disorder
-constexpr double kMaxDuplicates = 0.5;  // of all
-constexpr size_t kFew = 4;              // frames: of wrong times, or stored a little too early or too late
-constexpr size_t kNearPlaces = 16;      // frames
-constexpr int64_t kNearPeriods = 10;    // of the median period
+constexpr double kMaxDisorder = 0.1;    // share of steps that go back; above it the times are in disorder
+constexpr double kMaxDuplicates = 0.5;  // share of frames with another one's time; above it the times are useless
+constexpr size_t kFew = 4;          // frames; as many in a row may have wrong times, or be stored too early or too late
+constexpr size_t kNearPlaces = 16;  // frames between a frame's stored place and its place by time, at most
+constexpr int64_t kNearPeriods = 10;  // median periods between a frame that is moved and its nearest neighbour, at most
 constexpr size_t kMostSessions = 3;
 constexpr int64_t kLongPauseUs = 60'000'000;
 constexpr int64_t kManyTimes = 10;
 
-using Frames = std::vector<size_t>;  // by number
+using Frames = std::vector<size_t>;  // numbers of frames
 
 class Ordering {
  public:
   explicit Ordering(const std::vector<int64_t>& utimes_us) : times_(utimes_us) {}
 
-  FrameOrder run() {
-    for (std::string error : {check_duplicates(), check_clocks()})
-      if (!error.empty()) return {{}, {}, {}, false, std::move(error)};
+  Result<FrameOrder> run() {
+    for (const Result<>& checked : {check_duplicates(), check_clocks()})
+      if (!checked) return checked.error();
     if (const int64_t step_us = usual_step(times_); step_us > 0) period_us_ = step_us;
     if (is_in_disorder())
       sort_all();
@@ -48,22 +48,22 @@ class Ordering {
   int64_t time(size_t frame) const { return times_[frame]; }
   bool earlier(size_t a, size_t b) const { return time(a) < time(b); }
 
-  std::string check_duplicates() const {
+  Result<> check_duplicates() const {
     std::vector<int64_t> sorted = times_;
     std::sort(sorted.begin(), sorted.end());
     const auto distinct = static_cast<size_t>(std::unique(sorted.begin(), sorted.end()) - sorted.begin());
     const size_t doubled = sorted.size() - distinct;
     if (static_cast<double>(doubled) <= kMaxDuplicates * static_cast<double>(sorted.size())) return {};
     if (distinct == 1)
-      return fmt::format("all of its {} images have the time {:.6f} s; give --rate HZ to make new times", times_.size(),
-                         static_cast<double>(times_.front()) * 1e-6);
-    return fmt::format("of its {} images {} have the time of another one; give --rate HZ to make new times",
-                       times_.size(), doubled);
+      return Error{fmt::format("all of its {} images have the time {:.6f} s; give --rate HZ to make new times",
+                               times_.size(), static_cast<double>(times_.front()) * 1e-6)};
+    return Error{fmt::format("of its {} images {} have the time of another one; give --rate HZ to make new times",
+                             times_.size(), doubled)};
   }
 
-  // Finds times of two clocks in turn: each clock rises, mostly every other image is of the other clock, and sorting
-  // would move images far from where they are stored.
-  std::string check_clocks() const {
+  // An Error if the times come from two clocks in turn: each clock rises, at least every other image is of another
+  // clock than the image before, and sorting would move images far from where they are stored.
+  Result<> check_clocks() const {
     std::array<Frames, 2> clocks;
     size_t last = 0, turns = 0;
     for (size_t i = 0; i < times_.size(); ++i) {
@@ -78,13 +78,13 @@ class Ordering {
       last = clock;
     }
     if (2 * turns < times_.size() || median_displacement() <= kNearPlaces / 2) return {};
-    return fmt::format(
+    return Error{fmt::format(
         "the times of its images are of two clocks in turn ({:.6f} s and {:.6f} s are those of two images in a row); "
         "give --rate HZ to make new times",
-        static_cast<double>(time(0)) * 1e-6, static_cast<double>(time(1)) * 1e-6);
+        static_cast<double>(time(0)) * 1e-6, static_cast<double>(time(1)) * 1e-6)};
   }
 
-  // How far frames are stored from their place in the order of times, in frames.
+  // Returns the median distance, in frames, between a frame's stored place and its place by time.
   size_t median_displacement() const {
     Frames sorted = all_by_time();
     std::vector<size_t> displacements;
@@ -117,8 +117,8 @@ class Ordering {
   }
 
   // Goes through the frames as they are stored. Where the time goes back, either earlier frames with later times or the
-  // following frames with earlier times are wrong: the fewer of them are in doubt. If both are many, the clock was set
-  // back.
+  // following frames with earlier times are wrong: the smaller group is in doubt. If both have more than kFew frames,
+  // the clock was set back, and a new part begins.
   void follow() {
     parts_.emplace_back();
     for (size_t i = 0; i < times_.size(); ++i) {
@@ -149,17 +149,19 @@ class Ordering {
     put_back();
   }
 
-  // Counts the frames from `begin` up to the first one later than utime_us, or stops once they are more than a few.
+  // Counts the frames from `begin` up to the first one later than utime_us; returns the number of all frames if they
+  // are more than kFew.
   size_t frames_not_after(int64_t utime_us, size_t begin) const {
     size_t count = 0;
     while (begin + count < times_.size() && count <= kFew && time(begin + count) <= utime_us) ++count;
     return count > kFew ? times_.size() : count;
   }
 
-  // Puts each frame in doubt of the current part into the order of times, if its place is near.
+  // Puts each frame in doubt into the current part where its time belongs, if that is near its stored place; else its
+  // time is wrong.
   void put_back() {
     Frames& part = parts_.back();
-    const Frames sure = part;  // in stored order and in that of their times
+    const Frames sure = part;  // ordered by stored place, and also by time
     for (const size_t frame : in_doubt_) {
       const auto by_time =
           std::lower_bound(sure.begin(), sure.end(), frame, [this](size_t a, size_t b) { return earlier(a, b); });
@@ -183,7 +185,8 @@ class Ordering {
     in_doubt_.clear();
   }
 
-  // A clock is set back once or twice; many parts that do not overlap are one list in disorder.
+  // Joins the parts into one if there are more than kMostSessions and their times do not overlap: a clock is set back
+  // once or twice, so many parts are one recording in disorder.
   void merge_parts() {
     std::vector<Frames> sorted = parts_;
     std::sort(sorted.begin(), sorted.end(),
@@ -221,7 +224,7 @@ class Ordering {
   }
 
   void hand_out() {
-    int64_t begin_us = 0;  // elapsed at the beginning of the part
+    int64_t begin_us = 0;  // time elapsed at the beginning of the part
     for (size_t p = 0; p < parts_.size(); ++p) {
       const int64_t first_us = time(parts_[p].front());
       for (const size_t frame : parts_[p])
@@ -241,8 +244,8 @@ class Ordering {
 
 }  // namespace
 
-FrameOrder order_frames(const std::vector<int64_t>& utimes_us) {
-  if (utimes_us.empty()) return {};
+Result<FrameOrder> order_frames(const std::vector<int64_t>& utimes_us) {
+  if (utimes_us.empty()) return FrameOrder();
   return Ordering(utimes_us).run();
 }
 

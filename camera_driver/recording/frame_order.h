@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The order in which the frames of a recording are played, from their times as recorded: broken clocks and recorders
-// that write in another order than that of the images are common.
+// Finds the order in which the frames of a recording are played, from their recorded times. Broken clocks are common,
+// and so are recorders that do not write images in the order of their times.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,15 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
+
 namespace rumi::camera_driver {
 
 struct OrderedFrame {
-  size_t frame = 0;        // its number in the recording, from 0
+  size_t frame = 0;        // number in the recording, from 0
   int64_t utime_us = 0;    // rises strictly within a part
   int64_t elapsed_us = 0;  // since the first frame, the parts one after the other; rises strictly
-  int part = 0;            // another one begins where the clock was set back
+  int part = 0;            // number of the part; a new one begins where the clock was set back
 };
 
 struct FrameOrder {
@@ -22,18 +24,21 @@ struct FrameOrder {
   std::vector<size_t> duplicates;   // left out: another frame has the same time
   std::vector<size_t> wrong_times;  // left out: the time is far from those of the frames around it
   bool is_sorted = false;           // frames were not stored in the order of their times
-  std::string error;                // empty, or why these times cannot be used, and what to do
 };
 
-// - Times that rise, but for a few: those are put where their time is, or left out if it is far from there.
-// - A few at an end that are more than a minute, and ten times the length of all else, away from it are left out, too.
-// - Times that go back and rise again from there, for more than a few frames: a new part. More than three
-//   parts whose times do not overlap are put into the order of their times, as one.
-// - Times in disorder: sorted.
-// - Most frames have the time of another one, or of another clock than the one before: an error.
-FrameOrder order_frames(const std::vector<int64_t>& utimes_us);
+// Finds the order of the frames:
+// - If all times rise, except for a few, those few are put where their time belongs; they are left out if that is far
+//   from where they are stored.
+// - A few frames at either end are left out if more than a minute, and more than ten times the length of all others,
+//   lies between them and the others.
+// - If times go back and rise again from there for more than a few frames, a new part begins. More than three parts
+//   whose times do not overlap are sorted by time into one part.
+// - If times are in disorder, all frames are sorted by time.
+// An Error if most frames have the time of another one, or if the times come from two clocks in turn.
+Result<FrameOrder> order_frames(const std::vector<int64_t>& utimes_us);
 
-// As they are stored, at this rate, from `first_us` on. Precondition: rate_hz > 0.
+// Gives frames new times at this rate, in the order in which they are stored, from `first_us` on. Precondition: rate_hz
+// > 0.
 FrameOrder frames_at_rate(size_t count, double rate_hz, int64_t first_us);
 
 }  // namespace rumi::camera_driver

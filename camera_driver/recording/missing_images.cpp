@@ -8,9 +8,9 @@
 namespace rumi::camera_driver {
 
 MissingImages find_missing_images(const std::vector<OrderedFrame>& frames) {
-  constexpr double kMaxUneven = 0.2;  // of a period, of a step that is whole periods
-  constexpr double kMinWhole = 0.9;   // of the steps
-  constexpr double kPause = 10.5;     // periods
+  constexpr double kMaxUneven = 0.2;  // share of a period by which a step of whole periods may be off
+  constexpr double kMinWhole = 0.9;   // least share of steps that are whole periods; below it nothing is counted
+  constexpr double kPause = 10.5;     // periods; a step that is longer is a pause
   std::vector<int64_t> steps_us;
   for (size_t i = 1; i < frames.size(); ++i)
     if (frames[i].part == frames[i - 1].part) steps_us.push_back(frames[i].utime_us - frames[i - 1].utime_us);

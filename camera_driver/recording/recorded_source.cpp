@@ -33,37 +33,38 @@ std::vector<OrderedFrame> select(const std::vector<OrderedFrame>& frames, const 
 
 }  // namespace
 
-RecordedSource::RecordedSource(std::string name, std::unique_ptr<FrameReader> reader,
-                               const CameraFileResult& calibration, const CameraOptions& options)
+RecordedSource::RecordedSource(std::string name, std::unique_ptr<FrameReader> reader, const CameraFile& calibration,
+                               const CameraOptions& options)
     : name_(std::move(name)),
       reader_(std::move(reader)),
       calibration_file_(calibration),
       camera_(calibration.camera),
       options_(options) {}
 
-// Decides which frames are played, and in which order.
-std::string RecordedSource::order(FrameOrder* order) const {
+// Decides which frames are played, and in which order. An Error if their times cannot be used and there is no rate.
+Result<FrameOrder> RecordedSource::order() const {
   const std::vector<int64_t>& utimes = reader_->utimes();
   const std::string no_times = reader_->why_no_times();
   const double rate_hz = options_.rate_hz > 0 ? options_.rate_hz : camera_.fps;
-  if (!no_times.empty() && !(rate_hz > 0)) return no_times + "; give --rate HZ, or fps in the calibration";
+  if (!no_times.empty() && !(rate_hz > 0)) return Error{no_times, "", "give --rate HZ, or fps in the calibration"};
   if (no_times.empty()) {
-    *order = order_frames(utimes);
-    const bool is_whole = order->frames.size() == utimes.size() && order->frames.back().part == 0;
-    if (options_.rate_hz <= 0 || is_whole) return order->error;
+    Result<FrameOrder> order = order_frames(utimes);
+    const bool is_whole = order && order->frames.size() == utimes.size() && order->frames.back().part == 0;
+    if (options_.rate_hz <= 0 || is_whole) return order;
   }
-  // With a rate the frames get new times, so the recorded ones may be wrong.
-  *order = frames_at_rate(utimes.size(), rate_hz, utimes.front());
-  return {};
+  // If there is a rate, the frames get new times, so the recorded ones may be wrong.
+  return frames_at_rate(utimes.size(), rate_hz, utimes.front());
 }
 
-std::string RecordedSource::plan() {
-  FrameOrder all;
-  if (const std::string problem = order(&all); !problem.empty()) return problem;
+Result<> RecordedSource::plan() {
+  const Result<FrameOrder> ordered = order();
+  if (!ordered) return ordered.error();
+  const FrameOrder& all = *ordered;
   frames_ = select(all.frames, options_);
   if (frames_.empty())
-    return fmt::format("there is no image from second {} on: the recording is {:.1f} s long ({} images); lower --start",
-                       options_.start_s, static_cast<double>(all.frames.back().elapsed_us) * 1e-6, all.frames.size());
+    return Error{
+        fmt::format("there is no image from second {} on: the recording is {:.1f} s long ({} images); lower --start",
+                    options_.start_s, static_cast<double>(all.frames.back().elapsed_us) * 1e-6, all.frames.size())};
   if (const std::string few = too_few_pixels(camera_.width, camera_.height); !few.empty())
     log_warning("{}: {}", name_, few);
   for (const std::string& note : reader_->notes()) log_warning("{}: {}", name_, note);
@@ -108,34 +109,36 @@ void RecordedSource::count_left_out(const FrameOrder& order) {
   }
 }
 
-// The name depends on all times and the first image, not on the part that is played. New times make another stream.
+// The name of a stream depends on all times and the first image, not on the part that is played. New times (rate_hz)
+// make another stream.
 void RecordedSource::name_streams() {
   StreamName name;
   name.add(std::llround(options_.rate_hz * 1e6));
   for (const int64_t utime_us : reader_->utimes()) name.add(utime_us);
-  std::string ignored;
-  if (const std::optional<image_t> image = reader_->load(0, false, &ignored)) name.add(image->data);
+  if (const Result<image_t> image = reader_->load(0, /*colour=*/false)) name.add(image->data);
   for (int part = 0; part <= frames_.back().part; ++part) {
     if (part > 0) name.add(part);
     streams_.push_back(name.number());
   }
 }
 
-std::string RecordedSource::start() {
-  if (const std::string problem = plan(); !problem.empty()) return name_ + ": " + problem;
+Result<> RecordedSource::start() {
+  if (const Result<> planned = plan(); !planned) return Error{planned.error_text(), name_};
   name_streams();
   starting_ = true;
   ahead_ = fetch();
   starting_ = false;
   have_ahead_ = true;
-  if (skipped_.wrong_size > 0) return first_problem_;
-  return ahead_ ? "" : fmt::format("{}: none of its {} images can be used: {}", name_, frames_.size(), first_problem_);
+  if (skipped_.wrong_size > 0) return Error{first_problem_};
+  if (!ahead_)
+    return Error{fmt::format("none of its {} images can be used: {}", frames_.size(), first_problem_), name_};
+  return {};
 }
 
-std::string RecordedSource::use_masks(const MaskPlaces& places) {
-  std::string problem = masks_.find(places, *reader_, {camera_.width, camera_.height});
+Result<> RecordedSource::use_masks(const MaskPlaces& places) {
+  Result<> found = masks_.find(places, *reader_, {camera_.width, camera_.height});
   if (!masks_.what().empty()) log_info("mask: {}", masks_.what());
-  return problem;
+  return found;
 }
 
 std::optional<image_t> RecordedSource::next() {
@@ -145,7 +148,7 @@ std::optional<image_t> RecordedSource::next() {
   return image;
 }
 
-// One that came with the image stays.
+// Adds the frame's mask to the image, unless the image came with one.
 void RecordedSource::put_mask(image_t* image) {
   const bool fits = image->width == camera_.width && image->height == camera_.height;
   if (!fits || !metadata(*image, kMaskKey).empty()) return;
@@ -165,8 +168,8 @@ std::optional<image_t> RecordedSource::fetch() {
     ++handed_out_in_pass_;
     // The metadata of a logged image, such as the time of publication, no longer hold. Its stream and its mask do.
     const int64_t in_log = options_.rate_hz > 0 || frame.part > 0 ? kNoStream : stream_of(*image);
-    const std::string mask = options_.mask.empty() ? metadata(*image, kMaskKey) : "";
-    const CameraFileResult& camera = camera_of(*image);
+    const std::string mask(options_.mask.empty() ? metadata(*image, kMaskKey) : "");
+    const CameraFile& camera = *camera_of(*image);  // load_checked() has made sure of a calibration
     image->metadata.clear();
     set_stream(in_log == kNoStream ? streams_[static_cast<size_t>(frame.part)] : in_log, &*image);
     set_metadata(&*image, kCalibrationKey, camera_to_yaml(camera.camera));
@@ -179,7 +182,7 @@ std::optional<image_t> RecordedSource::fetch() {
 }
 
 bool RecordedSource::begin_next_pass() {
-  // Without any usable image another pass would give none either.
+  // If no image was usable, another pass would give none either.
   if (!options_.loop || handed_out_in_pass_ == 0) return false;
   const int64_t span_us = frames_.back().elapsed_us - frames_.front().elapsed_us;
   const double nominal_hz = camera_.fps > 0 ? camera_.fps : 30;
@@ -221,17 +224,15 @@ int64_t RecordedSource::new_time(const OrderedFrame& frame) {
 
 std::optional<image_t> RecordedSource::load_checked(size_t frame) {
   const bool colour = options_.encoding == "rgb" || options_.encoding == "jpeg";
-  std::string error;
-  std::optional<image_t> image = reader_->load(frame, colour, &error);
-  const CameraFileResult* camera = &calibration_file_;
-  if (image) camera = &camera_of(*image);
-  if (camera->ok()) tell_of_other_camera(frame, *camera);
-  if (!camera->ok()) {
-    skip(&SkippedFrames::unreadable, fmt::format("{}: {}", reader_->where(frame), camera->error));
+  Result<image_t> image = reader_->load(frame, colour);
+  const Result<CameraFile>& camera = image ? camera_of(*image) : calibration_file_;
+  if (!camera) {
+    skip(&SkippedFrames::unreadable, fmt::format("{}: {}", reader_->where(frame), camera.error_text()));
     return std::nullopt;
   }
+  tell_of_other_camera(frame, *camera);
   if (!image) {
-    skip(&SkippedFrames::unreadable, error);
+    skip(&SkippedFrames::unreadable, image.error_text());
     return std::nullopt;
   }
   if (image->width != camera->camera.width || image->height != camera->camera.height) {
@@ -242,26 +243,28 @@ std::optional<image_t> RecordedSource::load_checked(size_t frame) {
     return std::nullopt;
   }
   const std::vector<image_metadata_t> metadata = image->metadata;
-  image = encode_as(std::move(*image), options_, &error);
+  image = encode_as(std::move(*image), options_);
   if (!image) {
-    skip(&SkippedFrames::unreadable, fmt::format("{}: {}", reader_->where(frame), error));
+    skip(&SkippedFrames::unreadable, fmt::format("{}: {}", reader_->where(frame), image.error_text()));
     return std::nullopt;
   }
   image->metadata = metadata;
   image->nmetadata = static_cast<int32_t>(metadata.size());
-  return image;
+  return std::move(*image);
 }
 
-// The calibration that an image of a log brings, unless the user gives another one.
-const CameraFileResult& RecordedSource::camera_of(const image_t& image) {
-  const std::string text = options_.camera_file.empty() ? metadata(image, kCalibrationKey) : "";
+// Returns the calibration in the image's metadata (of a log or bag); that of the recording if the image has none, or
+// the user gave one.
+const Result<CameraFile>& RecordedSource::camera_of(const image_t& image) {
+  const std::string_view text = options_.camera_file.empty() ? metadata(image, kCalibrationKey) : "";
   if (text.empty()) return calibration_file_;
-  const auto [camera, is_new] = cameras_.try_emplace(text);
-  if (is_new) camera->second = parse_camera(text, name_ + " (calibration in its images)");
-  return camera->second;
+  const auto known = cameras_.find(text);
+  if (known != cameras_.end()) return known->second;
+  const std::string yaml(text);
+  return cameras_.emplace(yaml, parse_camera(yaml, name_ + " (calibration in its images)")).first->second;
 }
 
-void RecordedSource::tell_of_other_camera(size_t frame, const CameraFileResult& camera) {
+void RecordedSource::tell_of_other_camera(size_t frame, const CameraFile& camera) {
   std::string yaml = camera_to_yaml(camera.camera);
   if (pass_ == 0 && !last_calibration_.empty() && last_calibration_ != yaml)
     log_warning("{}: from here on the calibration in the images is another one: a new session begins",
@@ -272,9 +275,9 @@ void RecordedSource::tell_of_other_camera(size_t frame, const CameraFileResult& 
 // Counts in the first pass only, because a loop skips the same frames again.
 void RecordedSource::skip(int64_t SkippedFrames::*reason, const std::string& message) {
   if (pass_ > 0) return;
-  const bool refused = starting_ && reason == &SkippedFrames::wrong_size;  // said by whoever asked to start
+  const bool refused = starting_ && reason == &SkippedFrames::wrong_size;  // reported by the caller of start()
   if (first_problem_.empty() || refused) first_problem_ = message;
-  // Of another size: what to do stands at the end.
+  // Messages about a wrong size end with what to do.
   if (++(skipped_.*reason) == 1 && !refused)
     log_warning("{}{}", message, reason == &SkippedFrames::wrong_size ? "" : "; left out");
 }

@@ -14,14 +14,14 @@ namespace rumi::camera_driver {
 
 class RecordedSource : public ImageSource {
  public:
-  RecordedSource(std::string name, std::unique_ptr<FrameReader> reader, const CameraFileResult& calibration,
+  RecordedSource(std::string name, std::unique_ptr<FrameReader> reader, const CameraFile& calibration,
                  const CameraOptions& options);
 
-  // Decides on the order and reads the first image. Returns an empty string, or why the recording cannot be used with
+  // Decides on the order of the images and reads the first one. An Error says why the recording cannot be used with
   // this camera.
-  std::string start();
-  // The masks of its images, before the first one is handed out. Returns what is wrong with one, or an empty string.
-  std::string use_masks(const MaskPlaces& places);
+  Result<> start();
+  // Finds the masks of the images; to be called before the first image is handed out. An Error if one cannot be used.
+  Result<> use_masks(const MaskPlaces& places);
 
   std::optional<image_t> next() override;
   const Camera& camera() const override { return camera_; }
@@ -34,8 +34,8 @@ class RecordedSource : public ImageSource {
   std::filesystem::path image_folder() const override;
 
  private:
-  std::string plan();
-  std::string order(FrameOrder* order) const;
+  Result<> plan();
+  Result<FrameOrder> order() const;
   void count_left_out(const FrameOrder& order);
   void name_streams();
   std::optional<image_t> fetch();
@@ -43,32 +43,32 @@ class RecordedSource : public ImageSource {
   bool begin_next_pass();
   int64_t new_time(const OrderedFrame& frame);
   std::optional<image_t> load_checked(size_t frame);
-  const CameraFileResult& camera_of(const image_t& image);
-  void tell_of_other_camera(size_t frame, const CameraFileResult& camera);
+  const Result<CameraFile>& camera_of(const image_t& image);
+  void tell_of_other_camera(size_t frame, const CameraFile& camera);
   void skip(int64_t SkippedFrames::*reason, const std::string& message);
   void report_end();
 
   std::string name_;
   std::unique_ptr<FrameReader> reader_;
-  CameraFileResult calibration_file_;
-  std::map<std::string, CameraFileResult> cameras_;  // by the calibration that an image of a log brings
+  Result<CameraFile> calibration_file_;
+  std::map<std::string, Result<CameraFile>, std::less<>> cameras_;  // by the calibration text in images of a log
   std::string last_calibration_;
   Camera camera_;
   CameraOptions options_;
-  std::vector<OrderedFrame> frames_;  // those that are wanted
-  size_t next_ = 0;                   // of frames_
+  std::vector<OrderedFrame> frames_;  // the frames that are played
+  size_t next_ = 0;                   // index in frames_
   size_t fetched_ = 0;                // the frame that was fetched last
   RecordingMasks masks_;
-  std::vector<int64_t> streams_;  // of each part
+  std::vector<int64_t> streams_;  // stream of each part
   std::optional<image_t> ahead_;
-  std::optional<std::set<int64_t>> only_;  // images of these times; all
-  bool starting_ = false;                  // the first image decides whether the calibration fits
+  std::optional<std::set<int64_t>> only_;  // times of the images to play again; without it all are played
+  bool starting_ = false;                  // inside start(): the first image decides whether the calibration fits
   bool have_ahead_ = false, reported_ = false;
   std::string first_problem_;
   SkippedFrames skipped_;
   int pass_ = 0;
-  int64_t taken_ = 0;               // over all passes
-  int64_t handed_out_in_pass_ = 0;  // of those taken: could be read, and fit
+  int64_t taken_ = 0;               // frames taken, over all passes
+  int64_t handed_out_in_pass_ = 0;  // images that could be read and fit the camera
   int64_t offset_us_ = 0;           // added to the times in later passes
 };
 

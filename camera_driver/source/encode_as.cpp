@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "camera_driver/source/encode_as.h"
 
+#include <opencv2/imgproc.hpp>
+
 #include "bus/wire/image_codec.h"
 #include "bus/wire/jpeg_image.h"
 
 namespace rumi::camera_driver {
 
-std::optional<image_t> encode_as(image_t image, const CameraOptions& options, std::string* error) {
+Result<image_t> encode_as(image_t image, const CameraOptions& options) {
   const bool is_grey = image.pixelformat == image_t::PIXEL_FORMAT_GRAY;
   if (options.encoding == "auto") return image;
   if (options.encoding == "grey" && is_grey) return image;
@@ -14,10 +16,18 @@ std::optional<image_t> encode_as(image_t image, const CameraOptions& options, st
   if (options.encoding == "jpeg" && image.pixelformat == image_t::PIXEL_FORMAT_MJPEG) return image;
 
   const bool want_grey = options.encoding == "grey" || (options.encoding == "jpeg" && is_grey);
-  const cv::Mat pixels = want_grey ? decode_grey(image, error) : decode_bgr(image, error);
-  if (pixels.empty()) return std::nullopt;
-  if (options.encoding == "jpeg") return make_jpeg_image(image.utime, pixels);
-  return want_grey ? make_grey_image(image.utime, pixels) : make_rgb_image(image.utime, pixels);
+  const Result<cv::Mat> pixels = want_grey ? decode_grey(image) : decode_bgr(image);
+  if (!pixels) return pixels.error();
+  return encode_pixels(image.utime, *pixels, options);
+}
+
+image_t encode_pixels(int64_t utime_us, const cv::Mat& pixels, const CameraOptions& options) {
+  if (options.encoding == "jpeg") return make_jpeg_image(utime_us, pixels);
+  if (pixels.channels() == 3) return make_rgb_image(utime_us, pixels);
+  if (options.encoding != "rgb") return make_grey_image(utime_us, pixels);
+  cv::Mat bgr;
+  cv::cvtColor(pixels, bgr, cv::COLOR_GRAY2BGR);
+  return make_rgb_image(utime_us, bgr);
 }
 
 }  // namespace rumi::camera_driver

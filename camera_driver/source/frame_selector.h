@@ -8,7 +8,7 @@
 
 namespace rumi::camera_driver {
 
-// Which frames of a recording are wanted, from their times alone.
+// Selects frames of a recording by their times alone.
 class FrameSelector {
  public:
   enum class Verdict { kTake, kPass, kEnd, kDuplicate, kOutOfOrder };
@@ -20,7 +20,7 @@ class FrameSelector {
   int64_t start_us_, duration_us_;
   int every_;
   std::optional<int64_t> first_us_, last_us_;  // recorded times in this pass
-  int64_t wanted_ = 0;                         // frames within start and duration so far
+  int64_t wanted_ = 0;                         // frames so far that lie within start and duration
 };
 
 }  // namespace rumi::camera_driver

@@ -24,7 +24,7 @@ std::string SkippedFrames::to_string() const {
 }
 
 std::string too_few_pixels(int width, int height) {
-  constexpr int kLeast = 72;  // docs/recordings.md
+  constexpr int kLeast = 72;  // pixels of the shorter side; see docs/recordings.md
   if (std::min(width, height) >= kLeast) return {};
   return fmt::format("images of {} x {} pixels are too small to be tracked; 96 x 72 is the least, 320 x 240 good",
                      width, height);

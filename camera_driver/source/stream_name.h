@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The number of a stream, by what it is made of: a recording has the same one wherever it lies and however often it is
-// played, a camera as long as it hangs at the same place.
+// Computes the number of a stream from what it is made of. A recording has the same number wherever it lies and however
+// often it is played; a camera as long as it is opened by the same name.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ class StreamName {
   void add(std::span<const uint8_t> bytes);
   void add(std::string_view text);
   void add(int64_t number);
-  // Above 0.
+  // Returns the number, which is above 0.
   int64_t number() const;
 
  private:

@@ -7,9 +7,9 @@
 namespace rumi::camera_driver {
 namespace {
 
-constexpr int64_t kOldestUs = 10'000'000;  // before dequeuing
-constexpr int64_t kNewestUs = -1'000'000;  // drivers may say when a frame's last pixel is due, a part of a period ahead
-constexpr int64_t kStepUs = 1'000'000;     // larger differences are no drift
+constexpr int64_t kOldestUs = 10'000'000;  // greatest age of a stamp when its frame is dequeued
+constexpr int64_t kNewestUs = -1'000'000;  // least age: drivers may stamp when the last pixel is due, which is ahead
+constexpr int64_t kStepUs = 1'000'000;     // a larger change of the offset is no drift: the clock was set
 constexpr int64_t kSlewDivisor = 200;      // 5 ms per second
 
 }  // namespace
@@ -28,7 +28,7 @@ void CaptureClock::follow(const VideoSystem::Clocks& now) {
   if (behind_us > kStepUs) {
     offset_us_ = measured_us;
   } else if (behind_us >= -kStepUs) {
-    if (most_us == 0) return;  // so that many short steps add up
+    if (most_us == 0) return;  // followed_at_us_ stays, so that many short steps add up
     *offset_us_ += std::clamp(behind_us, -most_us, most_us);
   }
   followed_at_us_ = now.monotonic_us;

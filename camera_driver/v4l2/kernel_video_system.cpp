@@ -51,7 +51,8 @@ class KernelVideoSystem : public VideoSystem {
   }
   void wait(int ms) override { ::poll(nullptr, 0, ms); }
 
-  // The system clock between two looks at the other one, so that being interrupted does no harm.
+  // Reads the system clock between two looks at the monotonic one, and takes the quickest of three attempts: an
+  // interruption between the looks would make the pair wrong.
   Clocks now() override {
     Clocks best;
     int64_t best_span_us = INT64_MAX;

@@ -20,7 +20,7 @@ cv::Mat compact_420(const PixelFormat& format, const RawImage& raw) {
   cv::Mat out(raw.height * 3 / 2, raw.width, CV_8UC1);
   view(raw, CV_8UC1).copyTo(out.rowRange(0, raw.height));
   const bool planar = format.layout == PixelLayout::kPlanarYuv;
-  const int rows = planar ? raw.height : raw.height / 2;  // of chroma
+  const int rows = planar ? raw.height : raw.height / 2;  // chroma rows
   const int width = planar ? raw.width / 2 : raw.width, stride = planar ? raw.stride / 2 : raw.stride;
   const size_t offset = static_cast<size_t>(raw.stride) * raw.height;
   const cv::Mat from(rows, width, CV_8UC1, const_cast<uint8_t*>(raw.data.data()) + offset, static_cast<size_t>(stride));
@@ -40,7 +40,7 @@ cv::Mat grey_pixels(const PixelFormat& format, const RawImage& raw) {
     case PixelLayout::kBayer:
       cv::cvtColor(view(raw, CV_8UC1), out, format.to_grey);
       return out;
-    default:  // their first plane is what is wanted
+    default:  // the first plane is the brightness
       return view(raw, CV_8UC1);
   }
 }
@@ -64,18 +64,11 @@ cv::Mat bgr_pixels(const PixelFormat& format, const RawImage& raw) {
   }
 }
 
-std::optional<image_t> jpeg_image(const RawImage& raw, std::string* error) {
-  image_t image = wrap_jpeg(0, raw.width, raw.height, {raw.data.begin(), raw.data.end()});
-  *error = check_image(image);
-  if (!error->empty()) return std::nullopt;
-  return image;
-}
-
 }  // namespace
 
 const std::vector<PixelFormat>& pixel_formats() {
   using L = PixelLayout;
-  // OpenCV's Bayer names without an alias tell of the second row; its aliases tell, as V4L2 does, of the first one.
+  // OpenCV's old Bayer names follow the second row of pixels; these aliases follow the first row, as V4L2's names do.
   static const std::vector<PixelFormat> kFormats = {
       {V4L2_PIX_FMT_GREY, "grey", L::kGrey},
       {V4L2_PIX_FMT_NV12, "nv12", L::kNv, -1, cv::COLOR_YUV2BGR_NV12},
@@ -144,15 +137,17 @@ std::optional<int64_t> frame_bytes(const PixelFormat& format, int width, int hei
   }
 }
 
-std::optional<image_t> to_image(const PixelFormat& format, const RawImage& raw, bool colour, std::string* error) {
-  if (format.layout == PixelLayout::kJpeg) return jpeg_image(raw, error);
+Result<image_t> jpeg_image(const RawImage& raw) {
+  image_t image = wrap_jpeg(0, raw.width, raw.height, {raw.data.begin(), raw.data.end()});
+  if (const Result<> checked = check_image(image); !checked) return checked.error();
+  return image;
+}
+
+Result<cv::Mat> to_pixels(const PixelFormat& format, const RawImage& raw, bool colour) {
   const std::optional<int64_t> needed = frame_bytes(format, raw.width, raw.height, raw.stride);
-  if (!needed || static_cast<int64_t>(raw.data.size()) < *needed) {
-    *error = fmt::format("has {} bytes: must be at least {}", raw.data.size(), needed.value_or(0));
-    return std::nullopt;
-  }
-  if (colour && format.layout != PixelLayout::kGrey) return make_rgb_image(0, bgr_pixels(format, raw));
-  return make_grey_image(0, grey_pixels(format, raw));
+  if (!needed || static_cast<int64_t>(raw.data.size()) < *needed)
+    return Error{fmt::format("has {} bytes: must be at least {}", raw.data.size(), needed.value_or(0))};
+  return colour && format.layout != PixelLayout::kGrey ? bgr_pixels(format, raw) : grey_pixels(format, raw);
 }
 
 }  // namespace rumi::camera_driver

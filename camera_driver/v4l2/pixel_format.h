@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The V4L2 pixel formats that we understand, and how their pixels become an image_t.
-// Layouts: Linux Media Infrastructure userspace API, "Image Formats".
+// Lists the V4L2 pixel formats that are read, and converts their pixels for an image_t. Layouts: Linux Media
+// Infrastructure userspace API, "Image Formats".
 #pragma once
 
 #include <cstdint>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "lcmtypes/rumi/image_t.hpp"
 
 namespace rumi::camera_driver {
@@ -19,7 +21,7 @@ enum class PixelLayout {
   kNv,         // 4:2:0, Y then interleaved chroma
   kPlanarYuv,  // 4:2:0, Y then two planes of chroma
   kRgb,        // three bytes per pixel
-  kBayer,      // 8 bit
+  kBayer,      // one byte per pixel, a mosaic of colours
   kJpeg,
 };
 
@@ -27,13 +29,13 @@ struct PixelFormat {
   uint32_t fourcc = 0;
   std::string option;  // its name in camera_driver.format
   PixelLayout layout = PixelLayout::kGrey;
-  int to_grey = -1, to_bgr = -1;  // cv::ColorConversionCodes; -1: not needed
+  int to_grey = -1, to_bgr = -1;  // cv::ColorConversionCodes; -1: no conversion is needed
 };
 
-// In the order in which they are preferred: least work and least loss first.
+// Returns the formats in order of preference: least work and least loss first.
 const std::vector<PixelFormat>& pixel_formats();
 const PixelFormat* find_pixel_format(uint32_t fourcc);
-// "YUYV"; what is not printable as '?'.
+// Returns the four letters, such as "YUYV"; letters that cannot be printed become '?'.
 std::string fourcc_text(uint32_t fourcc);
 
 // A frame as the driver left it in its buffer.
@@ -42,14 +44,16 @@ struct RawImage {
   int width = 0, height = 0, stride = 0;  // pixels, pixels, bytes (of the first plane; unused with JPEG)
 };
 
-// Bytes of a row's pixels (of the first plane); 0 for JPEG.
+// Returns the bytes that a row's pixels take (in the first plane), without padding; 0 for JPEG.
 int64_t row_bytes(const PixelFormat& format, int width);
-// Bytes that such a frame has at least; nothing if that cannot be: a stride shorter than a row, an odd size where
-// pixels come in pairs. Not for JPEG.
+// Returns the least number of bytes of a frame; nullopt for an impossible frame: the stride is shorter than a row, or a
+// size is odd where pixels come in pairs. Not for JPEG.
 std::optional<int64_t> frame_bytes(const PixelFormat& format, int width, int height, int stride);
 
-// JPEG as it is, anything else as grey or (`colour`) as RGB where there is colour. The time is 0. Nothing, and why in
-// *error, if the data is too short or, for JPEG, broken or of another size.
-std::optional<image_t> to_image(const PixelFormat& format, const RawImage& raw, bool colour, std::string* error);
+// Returns the JPEG as a message, with time 0. An Error if it is broken or has another size.
+Result<image_t> jpeg_image(const RawImage& raw);
+// Converts a frame that is no JPEG to 8-bit pixels: BGR if the format has colour and `colour` is true, else grey. The
+// result may lie in the driver's buffer. An Error if the data are too short.
+Result<cv::Mat> to_pixels(const PixelFormat& format, const RawImage& raw, bool colour);
 
 }  // namespace rumi::camera_driver

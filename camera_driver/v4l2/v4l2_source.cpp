@@ -22,22 +22,34 @@
 namespace rumi::camera_driver {
 namespace {
 
-constexpr int kWaitMs = 20;  // so that a request to stop is heard
+constexpr int kWaitMs = 20;  // for an image; short, so that a request to stop is heard
 constexpr int64_t kFirstRetryUs = 250'000, kLastRetryUs = 5'000'000;
 constexpr int64_t kRateWindowUs = 2'000'000;
-constexpr double kSlow = 0.8;  // part of the agreed rate
+constexpr double kSlow = 0.8;  // below this share of the agreed rate a camera is slow
 constexpr double kDefaultRateHz = 30;
-constexpr int64_t kExposureUnitUs = 100;  // of V4L2_CID_EXPOSURE_ABSOLUTE
+constexpr int64_t kExposureUnitUs = 100;  // unit of V4L2_CID_EXPOSURE_ABSOLUTE
 
 double wanted_rate(const CameraOptions& options, const Camera& camera) {
   if (options.rate_hz > 0) return options.rate_hz;
   return camera.fps > 0 ? camera.fps : kDefaultRateHz;
 }
 
-// 0 while the camera chooses it, or does not tell.
+// Returns the exposure time that was set; 0 if the camera chooses it, or does not tell.
 int64_t fixed_exposure_us(const VideoDevice& device) {
   if (read_control(device, V4L2_CID_EXPOSURE_AUTO) != V4L2_EXPOSURE_MANUAL) return 0;
   return read_control(device, V4L2_CID_EXPOSURE_ABSOLUTE).value_or(0) * kExposureUnitUs;
+}
+
+Result<image_t> encode(const PixelFormat& format, const RawImage& raw, const CameraOptions& options) {
+  if (format.layout == PixelLayout::kJpeg) {
+    Result<image_t> jpeg = jpeg_image(raw);
+    if (!jpeg) return jpeg;
+    return encode_as(std::move(*jpeg), options);
+  }
+  const bool colour = options.encoding == "rgb" || options.encoding == "jpeg";
+  const Result<cv::Mat> pixels = to_pixels(format, raw, colour);
+  if (!pixels) return pixels.error();
+  return encode_pixels(0, *pixels, options);
 }
 
 }  // namespace
@@ -63,7 +75,7 @@ std::string V4l2Source::open_device(std::unique_ptr<VideoDevice>* device) {
   OpenedDevice opened = open_video_device(system_, found.path);
   busy_ = opened.busy;
   if (!opened.error.empty()) return opened.error;
-  // Another camera's images would go through this one's calibration.
+  // Images of another camera must not be tracked with this camera's calibration.
   if (!card_.empty() && opened.identity.card != card_)
     return fmt::format("{}: is another camera now, '{}' instead of '{}'; name cameras as in /dev/v4l/by-id", found.path,
                        opened.identity.card, card_);
@@ -132,7 +144,8 @@ void V4l2Source::lose(const std::string& why) {
   retry_later();
 }
 
-// True when there is a stream. Waits a little when there is none.
+// Opens the camera again if it is time for that. Returns true if there is a stream then; else it may have waited a
+// little.
 bool V4l2Source::reopen() {
   const int64_t now_us = system_.now().monotonic_us;
   if (now_us < retry_at_us_) {
@@ -182,7 +195,7 @@ void V4l2Source::note(const StreamFrame& frame) {
 }
 
 void V4l2Source::count_gap(uint32_t sequence) {
-  constexpr uint32_t kBackwards = uint32_t{1} << 31;  // the numbering began again, or there is none
+  constexpr uint32_t kBackwards = uint32_t{1} << 31;  // the numbering began again, or the driver has none
   const uint32_t gap = last_sequence_ ? sequence - *last_sequence_ - 1 : 0;
   last_sequence_ = sequence;
   if (gap == 0 || gap >= kBackwards) return;
@@ -240,22 +253,19 @@ std::optional<image_t> V4l2Source::accept(StreamFrame& frame) {
   live_.ended = verdict == Verdict::kEnd;
   if (verdict != Verdict::kTake) return std::nullopt;
 
-  std::string error;
-  const bool colour = options_.encoding == "rgb" || options_.encoding == "jpeg";
-  std::optional<image_t> image = to_image(*stream_->format().pixels, frame.image, colour, &error);
-  if (image) image = encode_as(std::move(*image), options_, &error);
+  Result<image_t> image = encode(*stream_->format().pixels, frame.image, options_);
   if (!image) {
-    skip(&SkippedFrames::unreadable, fmt::format("{}: an image {}", input_, error));
+    skip(&SkippedFrames::unreadable, fmt::format("{}: an image {}", input_, image.error_text()));
     return std::nullopt;
   }
   image->utime = utime_us;
-  StreamName stream;  // not of this process: one that comes after it goes on with it, for the clock does
+  StreamName stream;  // the same stream after a restart of this process: the clock goes on, too
   stream.add(input_);
   stream.add(card_);
   set_stream(stream.number(), &*image);
   if (!calibration_.empty()) set_metadata(&*image, kCalibrationKey, calibration_);
   if (!mask_.empty()) set_metadata(&*image, kMaskKey, mask_);
-  return image;
+  return std::move(*image);
 }
 
 void V4l2Source::skip(int64_t SkippedFrames::*reason, const std::string& message) {
@@ -264,49 +274,53 @@ void V4l2Source::skip(int64_t SkippedFrames::*reason, const std::string& message
 
 namespace {
 
-// The user's, or that of the calibration; what is wrong with it comes back.
-std::string read_mask(const CameraOptions& options, const CameraFileResult& calibration, std::string* png) {
+// Returns the PNG of the user's mask, else of the one that the calibration names; empty if there is neither. An Error
+// if the mask cannot be used.
+Result<std::string> read_mask(const CameraOptions& options, const CameraFile& calibration) {
   const std::string& file = options.mask.empty() ? calibration.mask : options.mask;
-  if (file.empty() || file == kNoMask) return {};
-  const MaskFile mask = read_camera_mask(file, {calibration.camera.width, calibration.camera.height});
-  if (!mask.ok()) return mask.error;
-  log_info("mask: {}: {:.1f} % of each image is left out", file, 100 * mask.left_out());
-  *png = encode_mask(mask.pixels);
-  return {};
+  if (file.empty() || file == kNoMask) return std::string();
+  const Result<cv::Mat> mask = read_camera_mask(file, {calibration.camera.width, calibration.camera.height});
+  if (!mask) return mask.error();
+  log_info("mask: {}: {:.1f} % of each image is left out", file, 100 * share_left_out(*mask));
+  return encode_mask(*mask);
+}
+
+// Returns the calibration that the user gives (an Error if it cannot be read); without one, a camera of the wanted size
+// without a focal length.
+Result<CameraFile> camera_file_of(const CameraOptions& options) {
+  constexpr int kDefaultWidth = 640, kDefaultHeight = 480;
+  if (!options.camera_file.empty()) return read_camera_file(options.camera_file);
+  CameraFile none;
+  none.camera.width = options.width > 0 ? options.width : kDefaultWidth;
+  none.camera.height = options.height > 0 ? options.height : kDefaultHeight;
+  return none;
 }
 
 }  // namespace
 
 OpenedSource open_camera(VideoSystem& system, const std::string& input, const CameraOptions& options) {
-  constexpr int kDefaultWidth = 640, kDefaultHeight = 480;
-  const auto refuse = [&input](const std::string& why) { return OpenedSource{nullptr, input + ": " + why}; };
-  if (options.loop) return refuse("loop is true: a camera has no end to begin again from");
-  if (options.speed != 1) return refuse(fmt::format("speed is {}: a camera has its own", options.speed));
-  CameraFileResult file;
-  if (options.camera_file.empty()) {
-    file.camera.width = options.width > 0 ? options.width : kDefaultWidth;
-    file.camera.height = options.height > 0 ? options.height : kDefaultHeight;
-  } else {
-    file = read_camera_file(options.camera_file);
-    if (!file.ok()) return {nullptr, file.error};
-  }
+  if (options.loop) return Error{"loop is true: a camera has no end to begin again from", input};
+  if (options.speed != 1) return Error{fmt::format("speed is {}: a camera has its own", options.speed), input};
+  Result<CameraFile> file = camera_file_of(options);
+  if (!file) return file.error();
   // A side that is not given is the calibration's.
-  const int width = options.width > 0 ? options.width : file.camera.width;
-  const int height = options.height > 0 ? options.height : file.camera.height;
-  choose_size(width, height, &file);
-  log_notes(file);
-  const Camera& camera = file.camera;
+  const int width = options.width > 0 ? options.width : file->camera.width;
+  const int height = options.height > 0 ? options.height : file->camera.height;
+  choose_size(width, height, &*file);
+  log_notes(*file);
+  const Camera& camera = file->camera;
   if (width != camera.width || height != camera.height)
-    return refuse(fmt::format("width x height is {} x {} but the calibration {} is for {} x {}; {}", width, height,
-                              options.camera_file, camera.width, camera.height, advice_on_size(file, width, height)));
-  std::string mask;
-  if (const std::string problem = read_mask(options, file, &mask); !problem.empty()) return {nullptr, problem};
+    return Error{fmt::format("width x height is {} x {} but the calibration {} is for {} x {}; {}", width, height,
+                             options.camera_file, camera.width, camera.height, advice_on_size(*file, width, height)),
+                 input};
+  const Result<std::string> mask = read_mask(options, *file);
+  if (!mask) return mask.error();
   auto source = std::make_unique<V4l2Source>(system, input, camera, options);
-  source->use_mask(std::move(mask));
-  if (const std::string problem = source->start(); !problem.empty()) return {nullptr, problem};
+  source->use_mask(*mask);
+  if (const std::string problem = source->start(); !problem.empty()) return Error{problem};
   if (options.camera_file.empty())
     log_warning("{}: no calibration (--camera FILE): images can be recorded and looked at, but not tracked", input);
-  return {std::move(source), ""};
+  return OpenedSource(std::move(source));
 }
 
 }  // namespace rumi::camera_driver

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A V4L2 camera as an ImageSource. What goes wrong while it runs is said, and the camera opened again until it works.
+// A V4L2 camera as an ImageSource. If something goes wrong while it runs, that is logged, and the camera is opened
+// again until it works.
 #pragma once
 
 #include <memory>
@@ -15,12 +16,13 @@ namespace rumi::camera_driver {
 
 class V4l2Source : public ImageSource {
  public:
-  // input: see names_camera(). Without a calibration the camera has no focal length (fx 0), and images carry none.
+  // `input`: see names_camera(). If there is no calibration, fx of `camera` is 0, and images carry no calibration.
   V4l2Source(VideoSystem& system, std::string input, const Camera& camera, const CameraOptions& options);
 
-  // Of each image: a PNG for its metadata.
+  // Sets the mask of all images, a PNG for their metadata.
   void use_mask(std::string png) { mask_ = std::move(png); }
-  // Opens the camera. Returns why it cannot be used, or an empty string; one that is busy is waited for in next().
+  // Opens the camera. Returns why it cannot be used, or an empty string. A camera that is busy is no failure: next()
+  // waits for it.
   std::string start();
 
   std::optional<image_t> next() override;
@@ -48,7 +50,7 @@ class V4l2Source : public ImageSource {
 
   VideoSystem& system_;
   std::string input_, calibration_;
-  std::string mask_;  // of each image, or empty
+  std::string mask_;  // PNG of each image's mask, or empty
   Camera camera_;
   CameraOptions options_;
   FrameSelector selector_;
@@ -56,16 +58,16 @@ class V4l2Source : public ImageSource {
   SkippedFrames skipped_;
   LiveState live_;
 
-  std::string card_;  // of the camera that was opened first
+  std::string card_;  // name of the camera that was opened first
   std::unique_ptr<VideoStream> stream_;
   bool busy_ = false, clock_warned_ = false, rate_warned_ = false, locked_ = false;
-  int64_t exposure_us_ = 0;  // 0: not known
-  // CLOCK_MONOTONIC
+  int64_t exposure_us_ = 0;  // exposure time of each image; 0: not known
+  // Times of CLOCK_MONOTONIC; retry_delay_us_ is a duration.
   int64_t retry_at_us_ = 0, retry_delay_us_ = 0, gone_at_us_ = 0;
-  int64_t last_frame_us_ = 0;  // or the start of streaming
+  int64_t last_frame_us_ = 0;  // arrival of the last frame, or the start of streaming
   std::optional<int64_t> first_frame_us_;
   std::optional<uint32_t> last_sequence_;
-  int64_t rate_from_us_ = 0, rate_count_ = 0;  // of the rate measured now
+  int64_t rate_from_us_ = 0, rate_count_ = 0;  // begin and number of images of the rate's measurement
 };
 
 // Opens a camera: options.camera_file is its calibration, and may be missing.

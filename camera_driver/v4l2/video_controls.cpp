@@ -36,7 +36,7 @@ std::vector<std::pair<int64_t, std::string>> menu_of(const VideoDevice& device, 
     v4l2_querymenu item{};
     item.id = query.id;
     item.index = static_cast<uint32_t>(index);
-    if (device.ioctl(VIDIOC_QUERYMENU, &item) != 0) continue;  // menus have holes
+    if (device.ioctl(VIDIOC_QUERYMENU, &item) != 0) continue;  // menus may have gaps
     const bool number = query.type == V4L2_CTRL_TYPE_INTEGER_MENU;
     const char* begin = reinterpret_cast<const char*>(item.name);
     menu.emplace_back(index,
@@ -62,7 +62,7 @@ VideoControl describe_control(const VideoDevice& device, const v4l2_queryctrl& q
   return control;
 }
 
-// Collects what could not be done.
+// Sets controls of a device. `problems` says which could not be set, and why.
 class Setter {
  public:
   explicit Setter(const VideoDevice& device) : device_(device), controls_(controls_of(device)) {}
@@ -111,7 +111,7 @@ void set_exposure(Setter& setter, const std::string& value) {
   if (value == "auto") {
     const bool full = setter.has_choice(V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_AUTO);
     setter.set(V4L2_CID_EXPOSURE_AUTO, full ? V4L2_EXPOSURE_AUTO : V4L2_EXPOSURE_APERTURE_PRIORITY, "exposure");
-    // Otherwise many cameras halve their rate in the dark.
+    // Keeps the rate: otherwise many cameras halve it in the dark.
     return setter.set_if_there(V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0, "exposure");
   }
   setter.set_if_there(V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL, "exposure");
@@ -163,8 +163,8 @@ std::vector<std::string> apply_controls(const VideoDevice& device, const CameraC
                                        : V4L2_CID_POWER_LINE_FREQUENCY_AUTO;
     setter.set(V4L2_CID_POWER_LINE_FREQUENCY, value, "power_line");
   }
-  std::string ignored;  // the options were checked
-  for (const auto& [name, value] : parse_control_list(controls.controls, &ignored)) setter.set_named(name, value);
+  if (const Result<ControlList> list = parse_control_list(controls.controls))  // the options were checked
+    for (const auto& [name, value] : *list) setter.set_named(name, value);
   return setter.problems;
 }
 
@@ -188,9 +188,8 @@ std::string lock_automatic(const VideoDevice& device) {
   return text;
 }
 
-std::vector<std::pair<std::string, int32_t>> parse_control_list(const std::string& text, std::string* error) {
-  std::vector<std::pair<std::string, int32_t>> list;
-  error->clear();
+Result<ControlList> parse_control_list(const std::string& text) {
+  ControlList list;
   for (size_t begin = 0; begin < text.size();) {
     const size_t end = std::min(text.find(',', begin), text.size());
     std::string item = text.substr(begin, end - begin);
@@ -198,10 +197,8 @@ std::vector<std::pair<std::string, int32_t>> parse_control_list(const std::strin
     begin = end + 1;
     const size_t equals = item.find('=');
     const auto value = equals == std::string::npos ? std::nullopt : parse_number<int32_t>(item.substr(equals + 1));
-    if (equals == 0 || !value) {
-      *error = fmt::format("controls has '{}': expected NAME=NUMBER, NAME=NUMBER, ...", item);
-      return {};
-    }
+    if (equals == 0 || !value)
+      return Error{fmt::format("controls has '{}': expected NAME=NUMBER, NAME=NUMBER, ...", item)};
     list.emplace_back(item.substr(0, equals), *value);
   }
   return list;

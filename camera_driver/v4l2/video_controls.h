@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "camera_driver/source/camera_options.h"
 #include "camera_driver/v4l2/video_device.h"
 
@@ -19,16 +20,18 @@ struct VideoControl {
 };
 
 std::vector<VideoControl> controls_of(const VideoDevice& device);
-// Nothing if it cannot be read.
+// Returns nullopt if the control cannot be read.
 std::optional<int32_t> read_control(const VideoDevice& device, uint32_t id);
 
-// Sets what they name. Returns what could not be done, one line for each: a camera that lacks one of its
-// controls is still a camera.
+// Sets the controls that the options name. Returns a line for each one that could not be set: a camera without some
+// control can still be used.
 std::vector<std::string> apply_controls(const VideoDevice& device, const CameraControls& controls);
-// Exposure, gain and white balance stay from now on as the camera has them. Returns what was done, or could not be.
+// Fixes exposure, gain and white balance at their present values. Returns a line for the log: what was fixed, and what
+// could not be.
 std::string lock_automatic(const VideoDevice& device);
 
-// "brightness=10, sharpness=0" -> pairs; *error says what is wrong.
-std::vector<std::pair<std::string, int32_t>> parse_control_list(const std::string& text, std::string* error);
+using ControlList = std::vector<std::pair<std::string, int32_t>>;
+// Parses "brightness=10, sharpness=0"; an Error names the item that is not NAME=NUMBER.
+Result<ControlList> parse_control_list(const std::string& text);
 
 }  // namespace rumi::camera_driver

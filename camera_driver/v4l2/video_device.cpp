@@ -12,7 +12,7 @@
 namespace rumi::camera_driver {
 namespace {
 
-// A broken driver must not keep us for ever.
+// Entries read of each list, at most: a broken driver must not keep us for ever.
 constexpr uint32_t kMostFormats = 256, kMostSizes = 256, kMostRates = 256;
 
 template <size_t N>
@@ -122,7 +122,7 @@ std::vector<SizeRange> sizes_of(const VideoDevice& device, uint32_t fourcc) {
     sizes.push_back({number(range.min_width), number(range.min_height), number(range.max_width),
                      number(range.max_height), std::max(1, number(range.step_width)),
                      std::max(1, number(range.step_height))});
-    break;  // there is one only
+    break;  // a range is the only entry
   }
   return sizes;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A V4L2 capture device: opening it, and what it says of itself.
+// Opens V4L2 capture devices and reads what they offer.
 #pragma once
 
 #include <memory>
@@ -23,7 +23,7 @@ class VideoDevice {
   VideoSystem& system() const { return *system_; }
   int fd() const { return fd_; }
   const std::string& path() const { return path_; }
-  // 0, or -errno.
+  // Returns 0, or -errno.
   template <class T>
   int ioctl(unsigned long request, T* argument) const {
     return system_->ioctl(fd_, request, argument);
@@ -43,13 +43,13 @@ struct CameraIdentity {
 struct OpenedDevice {
   std::unique_ptr<VideoDevice> device;
   CameraIdentity identity;
-  std::string error;  // empty, or the device, what is wrong, and what to do
+  std::string error;  // names the device, the fault and what to do; empty: no fault
   bool is_camera = false;
-  bool busy = false;  // another program has it: later it may work
+  bool busy = false;  // another program uses the device, but may release it
 };
 OpenedDevice open_video_device(VideoSystem& system, const std::string& path);
 
-// Sizes that are offered: one, or a range in steps.
+// Image sizes that are offered, in pixels: one, or a range in steps.
 struct SizeRange {
   int width = 0, height = 0;
   int max_width = 0, max_height = 0, step_width = 1, step_height = 1;
@@ -60,23 +60,23 @@ struct RateRange {
   double min_hz = 0, max_hz = 0;
 };
 
-// Bounded, whatever a device says. Empty: it does not say.
+// Return what the device offers; empty if it does not say. The lists have a limited length, whatever the device says.
 std::vector<uint32_t> pixel_formats_of(const VideoDevice& device);
 std::vector<SizeRange> sizes_of(const VideoDevice& device, uint32_t fourcc);
 std::vector<RateRange> rates_of(const VideoDevice& device, uint32_t fourcc, int width, int height);
-// The offered rate that is nearest to the wanted one; the wanted one where nothing is said.
+// Returns the offered rate that is nearest to the wanted one; the wanted one if the device offers no rates.
 double nearest_rate(const std::vector<RateRange>& rates, double wanted_hz);
 
-// True for what names a camera and not a recording: "/dev/video0", "/dev/v4l/by-id/...", "camera:NAME".
+// True if the input names a camera and not a recording: "/dev/video0", "/dev/v4l/by-id/...", "camera:NAME".
 bool names_camera(const std::string& input);
 struct FoundDevice {
   std::string path, error;
 };
-// The device file of such an input: "camera:NAME" is looked up by (a part of) the camera's name or its name in
-// /dev/v4l/by-id, and must be unambiguous.
+// Finds the device file of an input that names_camera() accepts. "camera:NAME" is looked up by (a part of) the camera's
+// name or its name in /dev/v4l/by-id, and must be unambiguous.
 FoundDevice find_camera_device(VideoSystem& system, const std::string& input);
 
-// Cameras with their formats, sizes, rates and controls, for a person.
+// Describes the cameras with their formats, sizes, rates and controls, for a person.
 std::string list_cameras(VideoSystem& system);
 
 }  // namespace rumi::camera_driver

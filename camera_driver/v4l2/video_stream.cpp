@@ -12,10 +12,10 @@
 namespace rumi::camera_driver {
 namespace {
 
-constexpr uint32_t kBuffers = 4;  // enough for 100 ms of not looking at 30 Hz
+constexpr uint32_t kBuffers = 4;  // at 30 Hz no frame is lost if nobody reads for 100 ms
 constexpr uint32_t kBufType = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-constexpr double kRateTolerance = 0.95;    // of the wanted rate that counts as reaching it
-constexpr int64_t kMostBytes = 256 << 20;  // of a frame
+constexpr double kRateTolerance = 0.95;    // this share of the wanted rate counts as reaching it
+constexpr int64_t kMostBytes = 256 << 20;  // size of the largest frame
 
 v4l2_buffer empty_buffer(uint32_t index = 0) {
   v4l2_buffer buffer{};
@@ -25,7 +25,7 @@ v4l2_buffer empty_buffer(uint32_t index = 0) {
   return buffer;
 }
 
-// 0 for what would not fit.
+// Returns 0 if the time is negative or would overflow.
 int64_t microseconds(const timeval& time) {
   constexpr int64_t kMostSeconds = int64_t{1} << 40, kMostMicroseconds = 1'000'000;
   if (time.tv_sec < 0 || time.tv_sec > kMostSeconds) return 0;
@@ -86,7 +86,8 @@ std::string VideoStream::failed(const std::string& what, int error) {
   return fmt::format("{}: {}: {}", path, what, std::strerror(error));
 }
 
-// The first format in order of preference that reaches the wanted rate at the wanted size, else the fastest one.
+// Chooses the first format in order of preference that reaches the wanted rate at the wanted size, else the fastest
+// one. Returns why none can be used, or an empty string.
 std::string VideoStream::choose_format(const StreamRequest& request) {
   const std::string& path = device_->path();
   const std::vector<const PixelFormat*> usable = usable_formats(*device_, request.format);
@@ -146,12 +147,12 @@ void VideoStream::set_rate(double rate_hz) {
   constexpr uint32_t kParts = 100'000;
   v4l2_streamparm parameters{};
   parameters.type = kBufType;
-  // As a fraction that drivers compare with their own: 1/30, not 33333/1000000.
+  // Makes a whole rate a simple fraction, 1/30 and not 33333/1000000: drivers compare it with their own.
   const bool whole = std::abs(rate_hz - std::round(rate_hz)) < 1e-6;
   parameters.parm.capture.timeperframe.numerator = whole ? 1 : kParts;
   parameters.parm.capture.timeperframe.denominator =
       static_cast<uint32_t>(std::llround(whole ? rate_hz : rate_hz * kParts));
-  // Not every driver knows of rates, which is no fault.
+  // Some drivers do not know rates, which is no fault.
   if (device_->ioctl(VIDIOC_S_PARM, &parameters) < 0) return;
   const v4l2_fract& got = parameters.parm.capture.timeperframe;
   if (got.numerator > 0) format_.rate_hz = static_cast<double>(got.denominator) / got.numerator;
@@ -214,7 +215,8 @@ VideoStream::Read VideoStream::read(int timeout_ms, StreamFrame* frame, std::str
   frame->sequence = buffer.sequence;
   frame->damaged = buffer.flags & V4L2_BUF_FLAG_ERROR;
   frame->stamps.stamp_us = microseconds(buffer.timestamp);
-  // Drivers that name no clock (v4l2loopback) mean this one or the system's, which cannot be mistaken for it.
+  // Drivers that name no clock (v4l2loopback) use the monotonic clock, or the system clock, whose times are too far off
+  // to be mistaken for monotonic ones.
   frame->stamps.monotonic = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_COPY;
   frame->stamps.start_of_exposure = (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
   frame->stamps.now = device_->system().now();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A camera that streams: format negotiated, buffers mapped, frames taken one by one.
+// Streams from a camera: negotiates the format, maps the buffers, takes frames one by one.
 #pragma once
 
 #include <memory>
@@ -16,10 +16,10 @@ namespace rumi::camera_driver {
 struct StreamRequest {
   int width = 0, height = 0;  // pixels
   double rate_hz = 30;
-  std::string format = "auto";  // or the option name of one of pixel_formats()
+  std::string format = "auto";  // "auto", or the option name of one of pixel_formats()
 };
 
-// What the driver agreed to.
+// The format that the driver agreed to.
 struct StreamFormat {
   const PixelFormat* pixels = nullptr;
   int width = 0, height = 0, stride = 0;
@@ -28,9 +28,9 @@ struct StreamFormat {
 
 struct StreamFrame {
   RawImage image;
-  FrameStamps stamps;  // exposure_us apart
+  FrameStamps stamps;  // exposure_us is not set
   uint32_t sequence = 0;
-  bool damaged = false;  // the driver says so
+  bool damaged = false;  // the driver says that the image is damaged
 };
 
 class VideoStream {
@@ -41,15 +41,16 @@ class VideoStream {
 
   const VideoDevice& device() const { return *device_; }
   const StreamFormat& format() const { return format_; }
-  // The latest failure was that another program has the camera: later it may work.
+  // True if the latest failure was that another program uses the camera, which may release it.
   bool busy() const { return busy_; }
-  // Frames come only after this. Returns what is wrong, or an empty string.
+  // Starts the stream; no frames come before. Returns why it cannot start, or an empty string.
   std::string start();
 
   enum class Read { kFrame, kNothing, kFailed };
-  // Waits at most timeout_ms. The frame's pixels are valid until release(), which must follow before the next read().
+  // Waits for a frame, at most timeout_ms. The frame's pixels are valid until release(), which must follow before the
+  // next read(). After kFailed, *error says why.
   Read read(int timeout_ms, StreamFrame* frame, std::string* error);
-  // Gives the frame's memory back. Returns what is wrong, or an empty string.
+  // Gives the frame's memory back to the driver. Returns why that failed, or an empty string.
   std::string release();
 
  private:
@@ -70,12 +71,12 @@ class VideoStream {
   StreamFormat format_;
   std::vector<Mapping> buffers_;
   bool started_ = false, busy_ = false;
-  std::optional<uint32_t> held_;  // buffer between read() and release()
+  std::optional<uint32_t> held_;  // index of the buffer between read() and release()
 };
 
 struct OpenedStream {
   std::unique_ptr<VideoStream> stream;
-  std::string error;  // empty, or the device, what is wrong, and what to do
+  std::string error;  // names the device, the fault and what to do; empty: no fault
   bool busy = false;  // see VideoStream::busy()
 };
 OpenedStream open_stream(std::unique_ptr<VideoDevice> device, const StreamRequest& request);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the V4L2 source wants of the operating system, so that tests can put a device of their own in its place.
+// The operating system as the V4L2 source needs it, so that tests can replace it by a device of their own.
 #pragma once
 
 #include <cstddef>
@@ -13,33 +13,33 @@ class VideoSystem {
  public:
   virtual ~VideoSystem() = default;
 
-  // A file descriptor, or -errno.
+  // Returns a file descriptor, or -errno.
   virtual int open(const std::string& path) = 0;
   virtual void close(int fd) = 0;
-  // 0, or -errno. Never interrupted by a signal.
+  // Returns 0, or -errno. Never interrupted by a signal.
   virtual int ioctl(int fd, unsigned long request, void* argument) = 0;
-  // Null on failure.
+  // Returns nullptr on failure.
   virtual void* map(int fd, size_t length, int64_t offset) = 0;
   virtual void unmap(void* start, size_t length) = 0;
-  // True when there is something to dequeue, an error included; false when the time is over.
+  // Returns true if there is a frame or an error to dequeue, false when the time is over.
   virtual bool poll(int fd, int timeout_ms) = 0;
   virtual void wait(int ms) = 0;
 
   struct Clocks {
-    int64_t monotonic_us = 0;  // CLOCK_MONOTONIC, of the kernel's time stamps
-    int64_t system_us = 0;     // CLOCK_REALTIME, of all utimes
+    int64_t monotonic_us = 0;  // CLOCK_MONOTONIC, the clock of the kernel's time stamps
+    int64_t system_us = 0;     // CLOCK_REALTIME, the clock of all utimes
   };
   virtual Clocks now() = 0;
 
-  // "/dev/video0", "/dev/video1", ... that exist.
+  // Returns those of "/dev/video0", "/dev/video1", ... that exist.
   virtual std::vector<std::string> devices() = 0;
-  // Other names of a device that stay the same when it is plugged in again: /dev/v4l/by-id/...
+  // Returns the names of a device that stay the same when it is plugged in again: /dev/v4l/by-id/...
   virtual std::vector<std::string> lasting_names(const std::string& device) = 0;
-  // The group that a file belongs to, or an empty string.
+  // Returns the group that a file belongs to, or an empty string.
   virtual std::string group_of(const std::string& path) = 0;
 };
 
-// Linux. Has no state.
+// The operating system itself. The object has no state.
 VideoSystem& kernel_video_system();
 
 }  // namespace rumi::camera_driver

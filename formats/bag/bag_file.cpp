@@ -15,7 +15,7 @@ BagKind kind_of_file(const fs::path& file) {
   const std::string beginning = beginning_of(file, 32), extension = lower_extension(file);
   if (beginning.starts_with("#ROSBAG") || beginning.starts_with("#ROSRECORD")) return BagKind::kRos1;
   if (beginning.starts_with("\x89MCAP")) return BagKind::kMcap;
-  // Other programs' databases are SQLite's, too.
+  // SQLite files of other programs begin in the same way.
   if (extension == ".db3") return BagKind::kSqlite;
   if (extension == ".bag") return BagKind::kRos1;
   return extension == ".mcap" ? BagKind::kMcap : BagKind::kNone;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A bag of ROS, whatever its container: messages of some connections, each on a topic.
+// Reads bags of ROS, whatever their container. A bag holds the messages of some connections, each on a topic.
 #pragma once
 
 #include <array>
@@ -14,78 +14,79 @@
 
 namespace rumi {
 
-// Protobuf and JSON: of Foxglove's own types, which read_message() turns into those of ROS 1.
+// kProtobuf and kJson: messages of Foxglove's own types, which read_message() converts to those of ROS 1.
 enum class RosEncoding { kRos1, kCdr, kProtobuf, kJson, kOther };
 
 struct BagConnection {
   std::string topic;
-  std::string type;  // "sensor_msgs/Image", of ROS 2, too; of others as it is
+  std::string type;  // such as "sensor_msgs/Image", in ROS 2, too; any text if it is not read
   RosEncoding encoding = RosEncoding::kOther;
 
   bool has_images() const;
   bool has_calibration() const;
-  bool has_transforms() const;  // of frames (tf)
+  bool has_transforms() const;  // transforms of frames (tf)
   bool is_read() const { return has_images() || has_calibration() || has_transforms(); }
 };
 
-// "sensor_msgs/msg/Image" and "sensor_msgs/Image" are the same.
+// Returns the type as ROS 1 writes it: "sensor_msgs/Image" also for "sensor_msgs/msg/Image".
 std::string type_named(const std::string& name);
 
-// Where the bytes of a message are.
+// The place of a message's bytes. In SQLite, `at` is the number of its row.
 struct BagPlace {
   static constexpr int32_t kInFile = -1;
-  int32_t file = 0;         // of a bag of several
-  int32_t chunk = kInFile;  // that was decompressed; `at` is in it then
+  int32_t file = 0;         // number of the file, in a bag of several
+  int32_t chunk = kInFile;  // number of the chunk in whose decompressed bytes `at` lies
   int64_t at = 0, bytes = 0;
 };
 
-// Of images and others: the stamp of a header stands at the beginning of a message.
+// Number of bytes that scan() reads of each message: messages of images and some other types begin with the stamp of
+// their header.
 inline constexpr size_t kHeadBytes = 12;
 struct BagMessage {
   uint32_t connection = 0;
-  int64_t time_ns = 0;  // when it was recorded
+  int64_t time_ns = 0;  // time of recording
   BagPlace place;
-  std::array<uint8_t, kHeadBytes> head{};  // zeros behind the message's end
+  std::array<uint8_t, kHeadBytes> head{};  // the message's first bytes; zeros behind its end
 };
 
 struct BagDamage {
   int64_t places = 0, bytes = 0;
-  std::string first;   // of the places, with the file's name; empty if there is none
-  std::string at_end;  // what is wrong with the end of the file
+  std::string first;   // describes the first place, with the file's name; empty if there is none
+  std::string at_end;  // describes damage at the end of the file; may be empty
 };
 
 class BagFile {
  public:
   virtual ~BagFile() = default;
-  // Calls `visit` for each message in the order in which they are stored, until it returns false; damage is passed
-  // over. Messages of connections that are known to be of no type that is read need not be visited, but are counted.
-  // Once.
+  // Calls `visit` for each message, in stored order, until it returns false; damage is skipped. Messages of types that
+  // are not read need not be visited, but are counted. To be called once.
   using Visit = std::function<bool(const BagMessage&)>;
   virtual void scan(const Visit& visit) = 0;
-  // After scan(): those that were found.
+  // Returns the connections that scan() has found.
   virtual const std::map<uint32_t, BagConnection>& connections() const = 0;
-  virtual const std::map<uint32_t, int64_t>& other_messages() const = 0;  // those that were not visited
+  virtual const std::map<uint32_t, int64_t>& other_messages() const = 0;  // messages not visited, by connection
   virtual const BagDamage& damage() const = 0;
   virtual int64_t size_bytes() const = 0;
-  // Why nothing of it can be read; empty if that is not known.
+  // Says why nothing of the bag can be read; empty if that is not known.
   virtual std::string refusal() const { return {}; }
   virtual std::vector<std::string> notes() const { return {}; }
-  // Where some of its files are missing: messages of a topic that should be there and are not; `found` are.
+  // Returns how many messages of a topic are missing, besides the `found` ones, because files of the bag are missing.
   virtual int64_t missing_messages(const std::string& /*topic*/, int64_t /*found*/) const { return 0; }
   virtual bool read(const BagPlace& place, std::vector<uint8_t>* bytes) = 0;
 };
 
 enum class BagKind { kNone, kRos1, kMcap, kSqlite, kFolder };
-// By the beginning of a file, else by its name; a folder by its metadata.yaml, or the parts that are in it.
+// Judges a file by its beginning, else by its name, and a folder by its metadata.yaml or the parts in it.
 BagKind kind_of_bag(const std::string& path);
 std::unique_ptr<BagFile> open_ros1_bag(const std::string& file);
 std::unique_ptr<BagFile> open_mcap_file(const std::string& file);
 std::unique_ptr<BagFile> open_ros2_sqlite(const std::string& file);
 std::unique_ptr<BagFile> open_bag_folder(const std::string& folder);
-// Precondition: it is a bag.
+// Precondition: the path is a bag (kind_of_bag()).
 std::unique_ptr<BagFile> open_bag_file(const std::string& path);
 
-// When its first message of a type that is read was recorded; nothing if there is none. Precondition: it is a bag.
+// Returns the time at which the file's first readable message was recorded; nullopt if there is none. Precondition: the
+// file is a bag.
 std::optional<int64_t> first_recorded_in_bag(const std::filesystem::path& file);
 
 }  // namespace rumi

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The folder of a bag in parts, one behind the other: those that the metadata.yaml of ROS 2 lists, or without it the
-// bags whose names differ in numbers only.
+// Reads a bag that is a folder of parts, one after the other: those that ROS 2's metadata.yaml lists, or, without it,
+// the bags whose names differ only in numbers.
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
@@ -20,18 +20,18 @@ namespace fs = std::filesystem;
 constexpr size_t kMostFiles = 100'000;
 
 struct Metadata {
-  std::vector<std::string> files;           // their names, as far as they are listed
-  std::map<std::string, int64_t> messages;  // of each topic
+  std::vector<std::string> files;           // names of the bag's files, as it lists them
+  std::map<std::string, int64_t> messages;  // messages on each topic
 };
 
-// Nothing of what is broken.
+// Reads metadata.yaml. If it is broken, the result is what could be read before the fault.
 Metadata read_metadata(const fs::path& folder) {
   Metadata metadata;
   try {
     const YAML::Node information = YAML::LoadFile((folder / "metadata.yaml").string())["rosbag2_bagfile_information"];
     for (const YAML::Node& file : information["relative_file_paths"]) {
       if (metadata.files.size() == kMostFiles) break;
-      // Some versions name the folder, too.
+      // Some versions write the folder's name before that of the file.
       metadata.files.push_back(fs::path(file.as<std::string>()).filename().string());
     }
     for (const YAML::Node& topic : information["topics_with_message_count"])
@@ -103,7 +103,7 @@ class BagFolder : public BagFile {
     if (missing_files_ == 0) return 0;
     if (const auto listed = listed_messages_.find(topic); listed != listed_messages_.end())
       return std::max<int64_t>(0, listed->second - found);
-    // As many as are in the others.
+    // Assumes that a missing file has as many messages as the others.
     return std::max(missing_files_, missing_files_ * found / static_cast<int64_t>(files_.size()));
   }
   bool read(const BagPlace& place, std::vector<uint8_t>* bytes) override {
@@ -154,10 +154,10 @@ class BagFolder : public BagFile {
 
   fs::path folder_;
   std::vector<std::unique_ptr<BagFile>> files_;
-  std::vector<std::string> names_;                  // of these
-  bool is_listed_ = false;                          // by metadata.yaml
-  int64_t missing_files_ = 0;                       // of those
-  std::map<std::string, int64_t> listed_messages_;  // of each topic
+  std::vector<std::string> names_;                  // names of files_
+  bool is_listed_ = false;                          // metadata.yaml lists the files
+  int64_t missing_files_ = 0;                       // listed files that are not there
+  std::map<std::string, int64_t> listed_messages_;  // messages on each topic
   std::vector<std::string> notes_;
   std::string refusal_;
   std::map<std::pair<size_t, uint32_t>, uint32_t> numbers_;

@@ -35,16 +35,13 @@ class BagFrames : public FrameReader {
   std::string where(size_t frame) const override {
     return fmt::format("{}: image {} of {}", path_, frame, topic_.name);
   }
-  std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
-    std::optional<image_t> image;
+  Result<image_t> load(size_t frame, bool colour) override {
     std::vector<uint8_t> message;
-    if (!read_message(*bag_, topic_.kind, topic_.messages[frame].place, &message)) {
-      *error = "cannot be read: the bag is damaged there";
-    } else {
-      image = is_compressed() ? load_compressed(message, colour, error) : load_raw(message, colour, error);
-    }
-    if (!image) *error = fmt::format("{}: {}", where(frame), *error);
-    if (image && !calibration_.empty()) set_metadata(&*image, kCalibrationKey, calibration_);
+    if (!read_message(*bag_, topic_.kind, topic_.messages[frame].place, &message))
+      return Error{"cannot be read: the bag is damaged there", where(frame)};
+    Result<image_t> image = is_compressed() ? load_compressed(message, colour) : load_raw(message, colour);
+    if (!image) return Error{image.error_text(), where(frame)};
+    if (!calibration_.empty()) set_metadata(&*image, kCalibrationKey, calibration_);
     return image;
   }
   Malformed malformed() const override { return malformed_; }
@@ -90,7 +87,7 @@ class BagFrames : public FrameReader {
     for (const BagEntry& entry : messages) utimes_.push_back(utime_of(entry));
   }
 
-  // As many images as its bytes would have held.
+  // Counts damage as broken images: as many as the damaged bytes would have held.
   void count_damage() {
     const BagDamage& damage = bag_->damage();
     if (!damage.at_end.empty()) add_note(damage.at_end);
@@ -101,29 +98,25 @@ class BagFrames : public FrameReader {
     malformed_.count += std::max(damage.places, static_cast<int64_t>(share * images));
   }
 
-  std::optional<image_t> load_raw(Bytes message, bool colour, std::string* error) {
-    cv::Mat pixels = raw_pixels(message, colour, error);
-    if (pixels.empty()) return std::nullopt;
-    if (pixels.depth() == CV_16U) pixels = to_8_bit(pixels, range());
-    return pixels.channels() == 1 ? make_grey_image(0, pixels) : make_rgb_image(0, pixels);
+  Result<image_t> load_raw(Bytes message, bool colour) {
+    Result<cv::Mat> pixels = raw_pixels(message, colour);
+    if (!pixels) return pixels.error();
+    if (pixels->depth() == CV_16U) *pixels = to_8_bit(*pixels, range());
+    return pixels->channels() == 1 ? make_grey_image(0, *pixels) : make_rgb_image(0, *pixels);
   }
-  cv::Mat raw_pixels(Bytes message, bool colour, std::string* error) const {
+  Result<cv::Mat> raw_pixels(Bytes message, bool colour) const {
     RosImage image;
-    if (parse(message, topic_.kind.encoding, &image)) return pixels_of(image, colour, error);
-    *error = "is no sensor_msgs/Image, or broken";
-    return {};
+    if (parse(message, topic_.kind.encoding, &image)) return pixels_of(image, colour);
+    return Error{"is no sensor_msgs/Image, or broken"};
   }
 
-  // The bytes of a JPEG or PNG file.
-  std::optional<std::vector<uint8_t>> file_in(Bytes message, std::string* error) const {
+  // Returns the bytes of the JPEG or PNG file in the message; an Error if the message is broken.
+  Result<std::vector<uint8_t>> file_in(Bytes message) const {
     RosCompressedImage image;
-    if (!parse(message, topic_.kind.encoding, &image)) {
-      *error = "is no sensor_msgs/CompressedImage, or broken";
-      return std::nullopt;
-    }
+    if (!parse(message, topic_.kind.encoding, &image)) return Error{"is no sensor_msgs/CompressedImage, or broken"};
     return std::vector<uint8_t>(image.data.begin(), image.data.end());
   }
-  // "h264" and others; empty for an image.
+  // Returns the format if the message is a packet of a video, such as "h264"; empty if it is an image.
   std::string video_in(Bytes message, const std::vector<uint8_t>& file) const {
     static constexpr std::array kFormats = {"h264", "h265", "hevc", "avc", "av1", "vp8", "vp9", "mpeg4", "theora"};
     RosCompressedImage image;
@@ -132,21 +125,18 @@ class BagFrames : public FrameReader {
     std::transform(format.begin(), format.end(), format.begin(), [](unsigned char c) { return std::tolower(c); });
     for (const char* one : kFormats)
       if (format.find(one) != std::string::npos) return one;
-    // What H.264 and H.265 begin each of their units with.
+    // H.264 and H.265 begin each of their units with these bytes.
     static constexpr std::array<uint8_t, 4> kBegin = {0, 0, 0, 1};
     const bool begins_so = file.size() > 4 && (std::equal(kBegin.begin(), kBegin.end(), file.begin()) ||
                                                std::equal(kBegin.begin() + 1, kBegin.end(), file.begin()));
     return begins_so ? "H.264 or H.265" : "";
   }
-  std::optional<image_t> load_compressed(Bytes message, bool colour, std::string* error) {
-    std::optional<std::vector<uint8_t>> file = file_in(message, error);
-    if (!file) return std::nullopt;
-    if (const std::string video = video_in(message, *file); !video.empty()) {
-      *error = fmt::format("is a packet of a video ({}), which is not read: {}", video, kHowToUnpackVideos);
-      return std::nullopt;
-    }
-    return load_image_bytes(
-        std::move(*file), colour, [this] { return range(); }, error);
+  Result<image_t> load_compressed(Bytes message, bool colour) {
+    Result<std::vector<uint8_t>> file = file_in(message);
+    if (!file) return file.error();
+    if (const std::string video = video_in(message, *file); !video.empty())
+      return Error{fmt::format("is a packet of a video ({}), which is not read: {}", video, kHowToUnpackVideos)};
+    return load_image_bytes(std::move(*file), colour, [this] { return range(); });
   }
 
   GreyRange range() {
@@ -155,10 +145,10 @@ class BagFrames : public FrameReader {
     const size_t count = std::min(utimes_.size(), GreyHistogram::kMostImages);
     for (size_t i = 0; i < count; ++i) {
       std::vector<uint8_t> message;
-      std::string ignored;
       if (!read_message(*bag_, topic_.kind, topic_.messages[i * utimes_.size() / count].place, &message)) continue;
-      if (!is_compressed()) histogram.add(raw_pixels(message, /*colour=*/false, &ignored));
-      if (const auto file = is_compressed() ? file_in(message, &ignored) : std::nullopt)
+      if (!is_compressed())
+        histogram.add(raw_pixels(message, /*colour=*/false).value_or(cv::Mat()));
+      else if (const Result<std::vector<uint8_t>> file = file_in(message))
         histogram.add(grey_pixels_of_bytes(*file));
     }
     range_ = histogram.range();
@@ -180,7 +170,7 @@ class BagFrames : public FrameReader {
   std::string why_no_calibration_;
 };
 
-// Nothing if the message is broken.
+// Returns nullopt if the message is broken.
 std::optional<RosCameraInfo> camera_info_in(BagFile& bag, const BagTopic& topic, const BagEntry& entry) {
   std::vector<uint8_t> message;
   RosCameraInfo info;
@@ -190,10 +180,10 @@ std::optional<RosCameraInfo> camera_info_in(BagFile& bag, const BagTopic& topic,
 }
 
 struct FoundCalibration {
-  std::string text;  // of the first message that is one; empty if there is none
+  std::string text;  // calibration from the first message that has one; may be empty
   std::string note;
-  std::string why_none;     // if there are messages
-  bool is_nominal = false;  // of the Kinect's driver, for all Kinects
+  std::string why_none;     // why the messages have no calibration; empty if they have, or if there are no messages
+  bool is_nominal = false;  // it has the values that the driver gives for every Kinect
 };
 
 FoundCalibration calibration_of(BagFile& bag, const BagTopics& topics, const std::string& images) {
@@ -216,7 +206,7 @@ FoundCalibration calibration_of(BagFile& bag, const BagTopics& topics, const std
   return found;
 }
 
-// To be put behind what is wrong with a bag.
+// Returns a description of the bag's damage, to be appended to an error; may be empty.
 std::string damage_of(const BagFile& bag) {
   std::string text;
   for (const std::string& damage : {bag.damage().first, bag.damage().at_end})
@@ -231,20 +221,20 @@ OpenedReader open_bag(const std::filesystem::path& path, const std::string& chan
   const std::string name = path.string();
   std::unique_ptr<BagFile> bag = open_bag_file(name);
   const BagTopics topics = read_topics(*bag);
-  if (const std::string why = bag->refusal(); !why.empty()) return {nullptr, fmt::format("{}: {}", name, why)};
-  const ChosenTopic chosen = choose_topic(topics, channel);
-  if (!chosen.topic) return {nullptr, fmt::format("{}: {}{}", name, chosen.error, damage_of(*bag))};
-  const FoundCalibration calibration = calibration_of(*bag, topics, chosen.topic->name);
+  if (const std::string why = bag->refusal(); !why.empty()) return Error{why, name};
+  const Result<ChosenTopic> chosen = choose_topic(topics, channel);
+  if (!chosen) return Error{chosen.error_text() + damage_of(*bag), name};
+  const FoundCalibration calibration = calibration_of(*bag, topics, chosen->topic->name);
   const std::vector<std::string> notes = bag->notes();
-  auto reader = std::make_unique<BagFrames>(name, std::move(bag), *chosen.topic, calibration.text, grey_range);
-  if (reader->utimes().empty()) return {nullptr, fmt::format("{}: {}", name, reader->malformed().first)};
-  reader->add_note(chosen.note);
+  auto reader = std::make_unique<BagFrames>(name, std::move(bag), *chosen->topic, calibration.text, grey_range);
+  if (reader->utimes().empty()) return Error{reader->malformed().first, name};
+  reader->add_note(chosen->note);
   reader->add_note(calibration.note);
   if (const std::string advice = advice_on_known_camera(path, channel); calibration.is_nominal && !advice.empty())
     reader->add_note("its camera_info has the nominal values of the Kinect's driver" + advice);
   reader->set_why_no_calibration(calibration.why_none);
   for (const std::string& note : notes) reader->add_note(note);
-  return {std::move(reader), ""};
+  return OpenedReader(std::move(reader));
 }
 
 }  // namespace rumi

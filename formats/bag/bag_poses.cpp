@@ -13,7 +13,7 @@
 namespace rumi {
 namespace {
 
-using Edge = std::vector<RosTransform>;  // of one child, by time
+using Edge = std::vector<RosTransform>;  // transforms of one child frame, in order of time
 using Edges = std::map<std::string, Edge>;
 
 std::string frame_of_images(BagFile& bag, const BagTopic& topic) {
@@ -47,7 +47,7 @@ bool is_moving(const Edge& edge) {
   });
 }
 
-// From the camera up; empty, and why in *error, if it is no chain.
+// Returns the edges from the camera's frame up to the root. If they are no chain, returns none and says why in *error.
 std::vector<const Edge*> chain_of(const Edges& edges, const std::string& camera, std::string* error) {
   std::vector<const Edge*> chain;
   for (auto edge = edges.find(camera); edge != edges.end(); edge = edges.find(chain.back()->front().parent)) {
@@ -66,7 +66,8 @@ std::vector<const Edge*> chain_of(const Edges& edges, const std::string& camera,
   return chain;
 }
 
-// Of which it may have one that moves only: nothing is interpolated.
+// Returns the only edge of the chain that changes in time. If none or several do, returns nullptr and says why in
+// *error: several would have to be interpolated.
 const Edge* moving_one(const std::vector<const Edge*>& chain, std::string* error) {
   std::vector<std::string> moving;
   const Edge* found = nullptr;
@@ -106,11 +107,11 @@ BagPoses poses_in_bag(const std::filesystem::path& path, const std::string& chan
   if (!bag->refusal().empty()) return refuse(bag->refusal());
   result.has_transforms = !topics.transforms.empty();
   if (!result.has_transforms) return refuse("has no poses of the camera: no transforms of frames (/tf)");
-  const ChosenTopic chosen = choose_topic(topics, channel);
-  if (!chosen.topic) return refuse(chosen.error);
+  const Result<ChosenTopic> chosen = choose_topic(topics, channel);
+  if (!chosen) return refuse(chosen.error_text());
   const Edges edges = edges_of(*bag, topics.transforms);
   std::string why;
-  const std::vector<const Edge*> chain = chain_of(edges, frame_of_images(*bag, *chosen.topic), &why);
+  const std::vector<const Edge*> chain = chain_of(edges, frame_of_images(*bag, *chosen->topic), &why);
   const Edge* moving = chain.empty() ? nullptr : moving_one(chain, &why);
   if (!moving) return refuse(why);
   add_poses(chain, moving, &result.poses);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the camera of a bag was, as its transforms of frames (tf) tell it: those of TUM RGB-D have their truth so.
+// Reads the path of a bag's camera from its transforms (tf): this is where bags of TUM RGB-D have their truth.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,15 @@ namespace rumi {
 struct BagPoses {
   struct Pose {
     int64_t utime_us = 0;
-    SE3 map_from_cam;  // from the frame of the images to that in which all others lie
+    SE3 map_from_cam;  // from the images' frame to the root of the frames
   };
-  std::vector<Pose> poses;  // by time, one per time
+  std::vector<Pose> poses;  // in order of time, one per time
   bool has_transforms = true;
-  std::string note;   // from which frames they are
-  std::string error;  // empty, or why there are none
+  std::string note;   // names the frames of the poses
+  std::string error;  // why there are no poses; else empty
 };
 
-// `channel`: of the images, as open_bag() takes it.
+// `channel`: the topic of the images, as in open_bag().
 BagPoses poses_in_bag(const std::filesystem::path& path, const std::string& channel);
 
 }  // namespace rumi

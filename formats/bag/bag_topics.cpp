@@ -32,7 +32,8 @@ bool is_of_foxglove(const BagConnection& kind) {
   return kind.encoding == RosEncoding::kProtobuf || kind.encoding == RosEncoding::kJson;
 }
 
-// Stamps are in the messages: of one that is compressed by itself it must be taken out first.
+// Returns the stamp in the message. If the message is compressed by itself, or of Foxglove, all of it must be read for
+// that.
 int64_t stamp_of(BagFile& bag, const BagMessage& message, const BagConnection& kind) {
   std::vector<uint8_t> whole;
   const bool must_be_read = looks_like_zstd(message.head) || is_of_foxglove(kind);
@@ -69,8 +70,8 @@ Counts counts_of(const std::vector<BagTopic>& topics) {
   return counts;
 }
 
-// Cameras 0 and 1 of one rig, or left and right: names that differ in nothing else. As of folders, the first one is
-// played.
+// True if the names differ only in 0 and 1, or left and right: two cameras of one rig. The first one is played, as with
+// folders.
 bool are_of_one_rig(const std::string& first, const std::string& second) {
   static const std::vector<std::pair<std::string, std::string>> kSides = {{"0", "1"}, {"left", "right"}};
   return std::any_of(kSides.begin(), kSides.end(), [&](const auto& sides) {
@@ -82,7 +83,7 @@ bool are_of_one_rig(const std::string& first, const std::string& second) {
   });
 }
 
-// Packets of a video, as ROS and Foxglove store them. Empty if there are none.
+// Names a topic with packets of a video, as ROS and Foxglove store them; empty if there is none.
 std::string advice_on_videos(const BagTopics& topics) {
   static const std::vector<std::string> kTypes = {"foxglove_msgs/CompressedVideo", "foxglove.CompressedVideo",
                                                   "ffmpeg_image_transport_msgs/FFMPEGPacket",
@@ -126,7 +127,8 @@ BagTopics read_topics(BagFile& bag) {
   std::vector<BagEntry> entries;
   bag.scan([&](const BagMessage& message) {
     const auto connection = bag.connections().find(message.connection);
-    // A connection may come later, behind damage: then as in ROS 1, where stamps are at the same place.
+    // A connection may come later, behind damage: its messages are then read as ROS 1's, where stamps are at the same
+    // place.
     const bool is_known = connection != bag.connections().end();
     const BagConnection kind = is_known ? connection->second : BagConnection{"", "", RosEncoding::kRos1};
     entries.push_back({message.place, message.connection, stamp_of(bag, message, kind), message.time_ns});
@@ -150,32 +152,30 @@ BagTopics read_topics(BagFile& bag) {
   return topics;
 }
 
-ChosenTopic choose_topic(const BagTopics& topics, const std::string& channel) {
+Result<ChosenTopic> choose_topic(const BagTopics& topics, const std::string& channel) {
   const std::vector<BagTopic>& images = topics.images;
   for (const BagTopic& topic : images)
-    if (topic.name == channel || topic.name == "/" + channel) return {&topic, "", ""};
-  if (images.empty()) return {nullptr, "", why_no_images(topics)};
+    if (topic.name == channel || topic.name == "/" + channel) return ChosenTopic{&topic, ""};
+  if (images.empty()) return Error{why_no_images(topics)};
   const bool is_named = channel != channels::kCamera;
   const auto depths = std::count_if(images.begin(), images.end(), [](const BagTopic& topic) { return topic.is_depth; });
   const auto others = static_cast<ptrdiff_t>(images.size()) - depths;
-  if (!is_named && images.size() == 1) return {&images.front(), "", ""};
+  if (!is_named && images.size() == 1) return ChosenTopic{&images.front(), ""};
   if (!is_named && others == 1)
-    return {&images.front(),
-            fmt::format("{} is played; the other images of the bag are depth ({})", images.front().name,
-                        list_of_channels(counts_of({images.begin() + 1, images.end()}))),
-            ""};
+    return ChosenTopic{&images.front(),
+                       fmt::format("{} is played; the other images of the bag are depth ({})", images.front().name,
+                                   list_of_channels(counts_of({images.begin() + 1, images.end()})))};
   if (!is_named && others == 2 && are_of_one_rig(images[0].name, images[1].name))
-    return {&images.front(),
-            fmt::format("{} is played, and not {}; --log-channel chooses", images[0].name, images[1].name), ""};
-  return {nullptr, "",
-          fmt::format("{}{}", is_named ? fmt::format("no images on '{}'; ", channel) : "",
-                      advice_on_channels(counts_of(images), images.front().name))};
+    return ChosenTopic{&images.front(),
+                       fmt::format("{} is played, and not {}; --log-channel chooses", images[0].name, images[1].name)};
+  return Error{fmt::format("{}{}", is_named ? fmt::format("no images on '{}'; ", channel) : "",
+                           advice_on_channels(counts_of(images), images.front().name))};
 }
 
 const BagTopic* calibration_beside(const BagTopics& topics, const std::string& topic) {
   const auto above = [](const std::string& name) { return name.substr(0, std::min(name.rfind('/'), name.size())); };
   const std::string parent = above(topic), grandparent = above(parent);
-  // The last ones: of RealSense's own recorder, and of Foxglove's examples.
+  // The last two names are used by RealSense's own recorder, and by Foxglove's examples.
   for (const std::string& name : {parent + "/camera_info", topic + "/camera_info", grandparent + "/camera_info",
                                   grandparent + "/info/camera_info", parent + "/calibration", topic + "/calibration"})
     for (const BagTopic& calibration : topics.calibrations)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// sensor_msgs/CameraInfo as a calibration file.
+// Turns a sensor_msgs/CameraInfo into a calibration file.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace rumi {
 
-// As `ros2 topic echo` prints it, which parse_camera() reads and judges. `is_rectified`: of images that are undistorted
-// already, whose camera is P.
+// Writes the message as `ros2 topic echo` prints it; parse_camera() reads and judges that. `is_rectified`: the images
+// are undistorted already, and P is their camera.
 std::string camera_info_text(const RosCameraInfo& info, bool is_rectified);
 // False if all is zero, which is how ROS says that there is no calibration.
 bool is_calibrated(const RosCameraInfo& info, bool is_rectified);
-// What the drivers of the first Kinect say of a camera that nobody has calibrated.
+// True for the values that the first Kinect's drivers give for a camera that nobody has calibrated.
 bool is_nominal_kinect(const RosCameraInfo& info);
-// By the topic's name: image_rect, image_rect_color.
+// True if the topic's name says that its images are undistorted: image_rect, image_rect_color.
 bool is_rectified_topic(const std::string& topic);
 
 }  // namespace rumi

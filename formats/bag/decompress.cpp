@@ -12,11 +12,11 @@
 namespace rumi {
 namespace {
 
-constexpr size_t kMostBytes = size_t{256} << 20;  // bags have chunks of some megabytes
+constexpr size_t kMostBytes = size_t{256} << 20;  // largest unpacked chunk: bags have chunks of some megabytes
 
 enum class State { kGoesOn, kEnded, kDamaged };
 
-// A stream: takes from the front of `in`, puts to the front of `out`, and shortens both by that.
+// A stream takes bytes from the front of `in`, puts bytes at the front of `out`, and shortens both.
 class Stream {
  public:
   virtual ~Stream() = default;
@@ -88,7 +88,7 @@ class Unpacking {
  public:
   explicit Unpacking(Compression compression) : stream_(make_stream(compression)) {}
 
-  // All of `in`, or as much as the stream has.
+  // Unpacks all of `in`, or its part up to the end of the stream.
   State take(std::span<uint8_t> in) {
     for (;;) {
       std::array<uint8_t, 64 << 10> piece;

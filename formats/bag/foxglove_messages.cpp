@@ -15,10 +15,10 @@ namespace {
 
 using Bytes = std::span<const uint8_t>;
 
-// Of all three kinds, as far as each has them.
+// Fields of all three kinds of messages; each kind has some of them.
 struct Content {
   uint64_t seconds = 0, nanoseconds = 0, width = 0, height = 0, step = 0;
-  std::string frame, format;  // format: of a file, of pixels, of distortion
+  std::string frame, format;  // format: that of the file, of the pixels, or of the distortion
   std::vector<uint8_t> data;
   std::array<std::vector<double>, 4> d_k_r_p;
 };
@@ -83,7 +83,7 @@ class ProtobufReader {
   bool is_ok_ = true;
 };
 
-// The numbers of fields, by Foxglove's schemas; 0: it has none.
+// The numbers of the fields in Foxglove's schemas; 0: the message has no such field.
 struct FieldNumbers {
   uint64_t width, height, step, frame, format, data, d;  // k, r and p follow d
 };
@@ -98,7 +98,7 @@ void take_time(Bytes message, Content* content) {
   while (const auto field = in.next()) (field->number == 1 ? content->seconds : content->nanoseconds) = field->value;
 }
 
-// All in one field, or one in each.
+// Appends the numbers of a field. They may be packed in one field, or have a field each.
 void take_reals(const ProtobufReader::Field& field, std::vector<double>* reals) {
   if (field.bytes.size() == 8) return reals->push_back(std::bit_cast<double>(little_endian<uint64_t>(field.bytes)));
   for (size_t at = 0; at + 8 <= field.bytes.size(); at += 8)
@@ -169,7 +169,7 @@ std::optional<Content> content_of_json(Bytes message, const std::string& ros_typ
     for (size_t i = 0; i < content.d_k_r_p.size(); ++i)
       content.d_k_r_p[i] = in.value(std::string(1, "DKRP"[i]), std::vector<double>());
   } catch (const json::exception&) {
-    return std::nullopt;  // a field is of another kind
+    return std::nullopt;  // a field has another type than it should
   }
   return content;
 }

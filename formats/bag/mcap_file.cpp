@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// MCAP (mcap.dev/spec), ROS 2's usual bag: records of an opcode, a length of 8 bytes, and that.
+// Reads MCAP (mcap.dev/spec), ROS 2's usual bag: each record is an opcode, a length of 8 bytes, and as many bytes.
 #include <algorithm>
 #include <cstring>
 #include <string_view>
@@ -18,10 +18,11 @@ constexpr uint8_t kFirstPrivate = 0x80;
 
 struct Record {
   uint8_t op = 0;
-  int64_t at = 0, bytes = 0;  // behind its header
+  int64_t at = 0, bytes = 0;  // position and size of its body
 };
 
-// Its bytes may be beyond the end of what there is.
+// Reads the header of the record at `at`; nullopt if there is none. The record's body may be cut off: its length is not
+// checked against the file.
 std::optional<Record> read_record(ByteSource& source, int64_t at) {
   std::array<uint8_t, kHeaderBytes> header;
   if (!source.read(at, header)) return std::nullopt;
@@ -32,7 +33,7 @@ std::optional<Record> read_record(ByteSource& source, int64_t at) {
   return Record{header[0], at + kHeaderBytes, bytes};
 }
 
-// Takes one field behind the other; what is missing is 0 or empty.
+// Reads one field after the other; missing ones are 0 or empty.
 class Fields {
  public:
   explicit Fields(std::span<const uint8_t> bytes) : bytes_(bytes) {}
@@ -66,9 +67,9 @@ struct ChunkHead {
   int64_t at = 0, stored_bytes = 0;
 };
 
-// Nothing if its two lengths are not of one chunk.
+// Returns nullopt if its two lengths do not fit each other, or its compression is not known.
 std::optional<ChunkHead> read_chunk_head(ByteSource& source, const Record& record) {
-  constexpr int64_t kBeforeName = 28, kLongestName = 16;  // times, size, crc
+  constexpr int64_t kBeforeName = 28, kLongestName = 16;  // bytes of times, size and crc; of the compression's name
   std::array<uint8_t, kBeforeName + 4 + kLongestName + 8> head{};
   const int64_t left = std::max<int64_t>(0, source.size() - record.at);
   const auto count = static_cast<size_t>(std::min<int64_t>(left, head.size()));
@@ -131,7 +132,8 @@ class McapFile : public RecordBag {
     return file.read(at, bytes) && std::memcmp(bytes.data(), kMagic.data(), bytes.size()) == 0;
   }
 
-  // A chunk by its two lengths, a message by its channel and what follows.
+  // True if a chunk or a message seems to begin here. A chunk is recognized by its two lengths, a message by its
+  // channel and the record behind it.
   bool seems_record(ByteSource& file, int64_t at) const {
     const std::optional<Record> record = read_record(file, at);
     if (!record) return false;
@@ -139,7 +141,7 @@ class McapFile : public RecordBag {
     std::array<uint8_t, 2> channel;
     const int64_t next = record->at + record->bytes;
     if (record->bytes < kMessageHeadBytes || next > file.size() || !file.read(record->at, channel)) return false;
-    // Where the definitions at the beginning are lost they come again at the end.
+    // As long as no connection is known, each channel is accepted: lost definitions come again at the end of the file.
     if (!connections().empty() && !knows(little_endian<uint16_t>(channel))) return false;
     const std::optional<Record> following = read_record(file, next);
     return next == file.size() || (following && following->at + following->bytes <= file.size());
@@ -183,7 +185,7 @@ class McapFile : public RecordBag {
     return in.is_ok();
   }
 
-  // A channel's messages are of a connection once its schema is known.
+  // Makes a connection of each channel whose schema is known.
   void name_connections() {
     for (const auto& [id, channel] : channels_) {
       const auto schema = schemas_.find(channel.schema);

@@ -32,7 +32,7 @@ void RecordBag::scan(const Visit& visit) {
       at = next;
       continue;
     }
-    // The last record's length may be what is wrong.
+    // The length of the last record may itself be damaged.
     int64_t found = find_record(bytes_, (next == kNoEnd ? at : last) + 1);
     if (found == at) found = find_record(bytes_, at + 1);
     const int64_t from = found < at ? last : at;
@@ -78,7 +78,7 @@ int64_t RecordBag::take_chunk(int64_t at, int64_t stored_bytes, Compression comp
     inside = after;
   }
   if (next == kNoEnd || is_enough_) return next;
-  // What stands before the damage is good, as that of a file that was cut off.
+  // Records before the damage are good, as in a file that was cut off.
   const double taken = memory.size() == 0 ? 0 : static_cast<double>(inside) / static_cast<double>(memory.size());
   const auto lost = length - static_cast<int64_t>(taken * static_cast<double>(std::min(length, chunk.stored_bytes)));
   if (!chunk.is_whole || inside < memory.size())

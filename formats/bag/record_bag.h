@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the bags that are one record behind the other have in common (ROS 1's and MCAP): they are read from the
-// beginning to the end without their index, which a bag that was being recorded does not have. What is in a chunk that
-// is not compressed is read as if there were no chunk.
+// Reads bags that consist of records (ROS 1's and MCAP) from the beginning to the end. It needs no index: a bag whose
+// recording broke off has none. Records in an uncompressed chunk are read as if there were no chunk.
 #pragma once
 
 #include <string>
@@ -24,16 +23,17 @@ class RecordBag : public BagFile {
 
  protected:
   static constexpr int64_t kNoRecord = -1;
-  static constexpr int64_t kNoEnd = -2;  // a record, but where the next one begins is not known
-  // Where the records begin; kNoRecord if the file does not begin as it should.
+  static constexpr int64_t kNoEnd = -2;  // there is a record, but where the next one begins is not known
+  // Returns the position of the first record; kNoRecord if the file does not begin as it should.
   virtual int64_t begin(ByteSource& file) = 0;
-  // Takes in the record at `at`, and returns where the next one begins; kNoRecord if this is none, or is cut off,
-  // kNoEnd if it was taken in as far as it goes.
+  // Reads the record at `at`, and returns where the next one begins. Returns kNoRecord if there is no record or it is
+  // cut off, and kNoEnd if it was read as far as possible, but its end is not known.
   virtual int64_t take(ByteSource& source, int64_t at, int32_t chunk) = 0;
-  // The first place from `from` on where a record seems to begin; the file's end if there is none.
+  // Returns the first place from `from` on where a record seems to begin; the file's end if there is none.
   virtual int64_t find_record(ByteSource& file, int64_t from) = 0;
 
-  // For take(). Returns where the next record begins, or kNoEnd. `crc`: of what was compressed.
+  // Reads a chunk, for take(). Returns where the next record begins, or kNoEnd. `crc`: the checksum of the decompressed
+  // bytes, if the bag has one.
   static constexpr uint32_t kNoCrc = 0;
   int64_t take_chunk(int64_t at, int64_t stored_bytes, Compression compression, uint32_t crc = kNoCrc);
   void take_message(ByteSource& source, BagMessage* message);
@@ -47,13 +47,13 @@ class RecordBag : public BagFile {
     int64_t at, stored_bytes;
     Compression compression;
   };
-  // `lost`: of the bytes from `from` to `to`.
+  // Counts damage from `from` to `to`. `lost`: how many bytes of good records are missing there.
   void count_damage(int64_t from, int64_t to, int64_t lost, const std::string& what);
 
   std::string name_;
   FileBytes bytes_;
   Visit visit_;
-  bool is_enough_ = false;  // it has returned false
+  bool is_enough_ = false;  // visit_ has returned false
   std::map<uint32_t, BagConnection> connections_;
   std::map<uint32_t, int64_t> other_messages_;
   BagDamage damage_;

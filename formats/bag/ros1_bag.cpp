@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ROS 1's bags, format 2.0: wiki.ros.org/Bags/Format/2.0. A record is a header of fields "name=value" and data, each
-// behind its length.
+// Reads ROS 1's bags, format 2.0: wiki.ros.org/Bags/Format/2.0. A record is a header of fields "name=value" and data,
+// each preceded by its length.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ enum Op : uint8_t { kMessage = 2, kBagHeader = 3, kIndex = 4, kChunk = 5, kChunk
 
 using RecordFields = std::map<std::string, std::string, std::less<>>;
 
-// False if the bytes are something else.
+// Reads fields "name=value", each preceded by its length. Returns false if the bytes are something else.
 bool parse_fields(std::span<const uint8_t> bytes, RecordFields* fields) {
   while (!bytes.empty()) {
     if (bytes.size() < kLengthBytes) return false;
@@ -53,7 +53,8 @@ struct Record {
   int64_t data_at = 0, data_bytes = 0;
 };
 
-// Its data may be beyond the end of what there is.
+// Reads the header of the record at `at`; nullopt if there is none. The record's data may be cut off: its length is not
+// checked against the file.
 std::optional<Record> read_record(ByteSource& source, int64_t at) {
   std::array<uint8_t, kLengthBytes> length;
   if (!source.read(at, length)) return std::nullopt;
@@ -102,7 +103,7 @@ class Ros1Bag : public RecordBag {
     return is_known ? next : kNoRecord;
   }
 
-  // By the field "op=" of what messages, connections and chunks begin with.
+  // Finds records by the field "op=", with which messages, connections and chunks begin.
   int64_t find_record(ByteSource& file, int64_t from) override {
     constexpr std::string_view kOpField("\4\0\0\0op=", 7);
     constexpr int64_t kPieceBytes = 1 << 20, kFarthestBack = 256;
@@ -154,7 +155,8 @@ class Ros1Bag : public RecordBag {
     std::vector<uint8_t> data(static_cast<size_t>(record.data_bytes));
     RecordFields fields;
     if (!source.read(record.data_at, data) || !parse_fields(data, &fields)) return false;
-    // The data's topic is that under which it was published.
+    // Takes the topic from the record's header, under which the bag stores the messages; the one in the data is the
+    // publisher's, from before a remapping.
     add_connection(id, {text(record.fields, "topic"), type_named(text(fields, "type")), RosEncoding::kRos1});
     return true;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ROS 2's bags in SQLite: a table of topics and one of messages.
+// Reads ROS 2's bags in SQLite: a table of topics and one of messages.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kMostMessageBytes = 512 << 20;
 
-// A blob that is read without its row: the pages behind its beginning are not touched.
+// Reads the beginning of a message without the rest of its row: later pages of the file are not touched.
 class Blob {
  public:
   explicit Blob(Database& database) : database_(database) {}
@@ -46,7 +46,7 @@ class Ros2Sqlite : public BagFile {
     size_ = static_cast<int64_t>(std::filesystem::file_size(name_, code));
     try {
       database_ = Database::open_to_read(name_);
-      // The file is somebody else's: no more than its two tables is wanted of it.
+      // The file comes from another program and may be anything: SQLite must not trust it.
       sqlite3_limit(database_.handle(), SQLITE_LIMIT_LENGTH, kMostMessageBytes);
       sqlite3_db_config(database_.handle(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
       sqlite3_db_config(database_.handle(), SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
@@ -59,7 +59,7 @@ class Ros2Sqlite : public BagFile {
   void scan(const Visit& visit) override {
     if (!refusal_.empty()) return;
     Blob blob(database_);
-    // Rows are numbered one by one: those of a page that is broken are passed over in growing steps.
+    // If a page is broken, its rows are skipped in growing steps, as rows are numbered consecutively.
     constexpr int64_t kMostSkipped = int64_t{1} << 32;
     int64_t from = std::numeric_limits<int64_t>::min();
     for (int64_t skip = 1; skip < kMostSkipped; skip *= 2) {
@@ -104,7 +104,8 @@ class Ros2Sqlite : public BagFile {
     }
   }
 
-  // All rows behind `from`; *last becomes the last one. What ended it before the end, or nothing.
+  // Reads all rows behind `from`; *last becomes the last row that was read. Returns the error that ended it early, or
+  // nullopt.
   std::optional<std::string> scan_from(int64_t from, const Visit& visit, Blob* blob, int64_t* last) {
     try {
       Statement select(database_, "SELECT rowid, topic_id, timestamp FROM messages WHERE rowid > ? ORDER BY rowid");
@@ -122,7 +123,7 @@ class Ros2Sqlite : public BagFile {
     }
   }
 
-  // False if that is enough.
+  // Returns false if `visit` wants no more.
   bool take(int64_t row, BagMessage* message, const Visit& visit, Blob* blob) {
     const auto known = connections_.find(message->connection);
     if (known != connections_.end() && !known->second.is_read()) {

@@ -13,12 +13,13 @@ int64_t time_ns(uint32_t seconds, uint32_t nanoseconds, bool has_sign) {
   return with_sign * kNanoseconds + nanoseconds;
 }
 
-// Takes one value behind the other; what the bytes cannot hold is 0 or empty, and then they are no such message.
+// Reads one value after the other. Values beyond the end are 0 or empty, and is_ok() is false then.
 class MessageReader {
  public:
   MessageReader(Bytes bytes, RosEncoding encoding) : bytes_(bytes), is_cdr_(encoding == RosEncoding::kCdr) {
     if (!is_cdr_) return;
-    // The second byte: big or little endian. Other kinds (with parameters, or of version 2) are not those of ROS.
+    // The second byte says whether numbers are big or little endian. Other values (parameter lists, version 2) are not
+    // used by ROS.
     constexpr size_t kPreambleBytes = 4;
     is_ok_ = bytes.size() >= kPreambleBytes && bytes[0] == 0 && bytes[1] <= 1;
     is_big_endian_ = is_ok_ && bytes[1] == 0;
@@ -50,7 +51,7 @@ class MessageReader {
   }
   std::string frame() {
     std::string name = text();
-    return name.starts_with('/') ? name.substr(1) : name;  // as older versions of ROS write them
+    return name.starts_with('/') ? name.substr(1) : name;  // older versions of ROS write a leading slash
   }
   bool is_at_end() const { return bytes_.empty(); }
   template <size_t kCount>
@@ -77,7 +78,7 @@ class MessageReader {
     at_ += count;
     return taken;
   }
-  // CDR: each number at a multiple of its size.
+  // CDR aligns each number to its size.
   void align(size_t size) {
     if (is_cdr_) take((size - at_ % size) % size);
   }
@@ -91,7 +92,7 @@ class MessageReader {
   }
 
   Bytes bytes_;
-  size_t at_ = 0;  // behind the preamble
+  size_t at_ = 0;  // position behind the preamble
   bool is_cdr_, is_ok_ = true, is_big_endian_ = false;
 };
 
@@ -146,7 +147,7 @@ bool parse(Bytes message, RosEncoding encoding, std::vector<RosTransform>* trans
     std::array<double, 7> v{};  // x y z of the translation, x y z w of the rotation
     in.reals(&v);
     const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
-    constexpr double kLongest = 1.1, kShortest = 0.9;  // rounded perhaps; others are none
+    constexpr double kLongest = 1.1, kShortest = 0.9;  // lengths of a quaternion that was rounded
     if (!in.is_ok() || !(rotation.norm() > kShortest && rotation.norm() < kLongest)) continue;
     transform.parent_from_child = SE3(rotation, Eigen::Vector3d(v[0], v[1], v[2]));
     if (transform.parent_from_child.is_finite()) transforms->push_back(std::move(transform));
@@ -155,7 +156,7 @@ bool parse(Bytes message, RosEncoding encoding, std::vector<RosTransform>* trans
 }
 
 int64_t stamp_ns(Bytes head, RosEncoding encoding) {
-  // Behind seq in ROS 1, behind the preamble in ROS 2, both of 4 bytes.
+  // The stamp follows seq in ROS 1, and the preamble in ROS 2, both of 4 bytes.
   std::vector<uint8_t> padded(head.begin(), head.end());
   padded.resize(kHeadBytes);
   MessageReader in(padded, encoding);

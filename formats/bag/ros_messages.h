@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages of ROS as bytes: as ROS 1 writes them, and as ROS 2 does (CDR).
+// Parses messages of ROS, as ROS 1 or ROS 2 (CDR) writes them.
 #pragma once
 
 #include <array>
@@ -43,15 +43,15 @@ struct RosTransform {  // geometry_msgs/TransformStamped
   SE3 parent_from_child;
 };
 
-// Each is false if the bytes are no such message; what they give points into them.
+// Each returns false if the bytes are no such message. Data of images are not copied: they point into the bytes.
 bool parse(Bytes message, RosEncoding encoding, RosImage* image);
 bool parse(Bytes message, RosEncoding encoding, RosCompressedImage* image);
 bool parse(Bytes message, RosEncoding encoding, RosCameraInfo* info);
 bool parse(Bytes message, RosEncoding encoding,
-           std::vector<RosTransform>* transforms);  // TFMessage; those that are any
-// Of the header that all three begin with, of which the first kHeadBytes are enough.
+           std::vector<RosTransform>* transforms);  // TFMessage; invalid transforms are left out
+// Reads the stamp of the header with which messages of images and calibrations begin; the first kHeadBytes are enough.
 int64_t stamp_ns(Bytes head, RosEncoding encoding);
-// The frame that such a header names, without a slash before it; empty if there is none.
+// Returns the frame that such a header names, without a leading slash; empty if it names none.
 std::string frame_of(Bytes message, RosEncoding encoding);
 
 }  // namespace rumi

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "formats/image/max_side.h"
+#include "slam/geometry/max_side.h"
 
 namespace rumi {
 namespace {
@@ -49,7 +49,7 @@ constexpr std::array kKinds = {
     PixelKind{"yuyv", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2, cv::COLOR_YUV2BGR_YUY2},
 };
 
-// Two pixels share their colour.
+// True if two pixels share their colour.
 bool is_of_pairs(const std::string& encoding) { return encoding.starts_with("yu") || encoding == "uyvy"; }
 
 std::string printable(std::string text) {
@@ -69,21 +69,20 @@ std::string why_unknown(const std::string& encoding) {
       printable(encoding));
 }
 
-// What is wrong with the sizes, or an empty string.
-std::string check_sizes(const RosImage& image, size_t row_bytes, size_t step) {
+Result<> check_sizes(const RosImage& image, size_t row_bytes, size_t step) {
   if (image.width < 1 || image.height < 1 || image.width > kMaxSide || image.height > kMaxSide)
-    return fmt::format("has {} x {} pixels: must have 1 to {} a side", image.width, image.height, kMaxSide);
+    return Error{fmt::format("has {} x {} pixels: must have 1 to {} a side", image.width, image.height, kMaxSide)};
   if (is_of_pairs(image.encoding) && image.width % 2 != 0)
-    return fmt::format("has {} pixels a row: {} has pairs of them", image.width, image.encoding);
+    return Error{fmt::format("has {} pixels a row: {} has pairs of them", image.width, image.encoding)};
   if (step < row_bytes)
-    return fmt::format("has rows of {} bytes: {} pixels of {} take {}", step, image.width, printable(image.encoding),
-                       row_bytes);
+    return Error{fmt::format("has rows of {} bytes: {} pixels of {} take {}", step, image.width,
+                             printable(image.encoding), row_bytes)};
   if (image.data.size() < step * (image.height - 1) + row_bytes)
-    return fmt::format("has {} bytes of pixels: {} rows of {} take more", image.data.size(), image.height, step);
+    return Error{fmt::format("has {} bytes of pixels: {} rows of {} take more", image.data.size(), image.height, step)};
   return {};
 }
 
-// In the order and at the place that this computer wants.
+// Returns a copy in this computer's byte order, with aligned rows.
 cv::Mat copy_of_16_bit(const RosImage& image, int type, size_t row_bytes, size_t step) {
   cv::Mat pixels(static_cast<int>(image.height), static_cast<int>(image.width), type);
   for (int y = 0; y < pixels.rows; ++y) {
@@ -100,19 +99,15 @@ bool is_depth_encoding(const std::string& encoding) {
   return encoding.starts_with("32FC") || encoding.starts_with("64FC") || encoding == "16UC1";
 }
 
-cv::Mat pixels_of(const RosImage& image, bool colour, std::string* error) {
+Result<cv::Mat> pixels_of(const RosImage& image, bool colour) {
   const auto kind =
       std::find_if(kKinds.begin(), kKinds.end(), [&](const PixelKind& one) { return one.encoding == image.encoding; });
-  if (kind == kKinds.end()) {
-    *error = why_unknown(image.encoding);
-    return {};
-  }
+  if (kind == kKinds.end()) return Error{why_unknown(image.encoding)};
   const size_t row_bytes = size_t{image.width} * static_cast<size_t>(CV_ELEM_SIZE(kind->type));
   const size_t step = image.step == 0 ? row_bytes : image.step;
-  *error = check_sizes(image, row_bytes, step);
-  if (!error->empty()) return {};
+  if (const Result<> checked = check_sizes(image, row_bytes, step); !checked) return checked.error();
   const bool is_wide = CV_MAT_DEPTH(kind->type) == CV_16U;
-  // OpenCV does not change pixels that it is only given to read.
+  // The const_cast below is safe: OpenCV does not change pixels of its inputs.
   const cv::Mat stored = is_wide ? copy_of_16_bit(image, kind->type, row_bytes, step)
                                  : cv::Mat(static_cast<int>(image.height), static_cast<int>(image.width), kind->type,
                                            const_cast<uint8_t*>(image.data.data()), step);
@@ -122,9 +117,8 @@ cv::Mat pixels_of(const RosImage& image, bool colour, std::string* error) {
   try {
     cv::cvtColor(stored, pixels, conversion);
   } catch (const cv::Exception&) {
-    *error =
-        fmt::format("has {} x {} pixels, which cannot be of encoding {}", image.width, image.height, kind->encoding);
-    return {};
+    return Error{
+        fmt::format("has {} x {} pixels, which cannot be of encoding {}", image.width, image.height, kind->encoding)};
   }
   return pixels;
 }

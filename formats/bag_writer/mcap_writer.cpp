@@ -42,7 +42,7 @@ std::string record(Op op, std::string_view content) {
 }
 
 std::string compressed(const std::string& bytes) {
-  constexpr int kLevel = 1;  // the images are the most of it: more takes long and gains little
+  constexpr int kLevel = 1;  // low: images are most of the data, and higher levels take long and gain little
   std::string out(ZSTD_compressBound(bytes.size()), '\0');
   out.resize(ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), kLevel));
   return out;
@@ -85,9 +85,9 @@ class McapWriter : public BagWriter {
     span_.add(utime_ns);
   }
 
-  std::string problem() const override { return file_.problem(); }
+  const Result<>& so_far() const override { return file_.so_far(); }
 
-  std::string close() override {
+  Result<> close() override {
     end_chunk();
     std::string content;
     put(crc_, &content);
@@ -128,7 +128,7 @@ class McapWriter : public BagWriter {
     put(schema, &content);
     put_text(topic, &content);
     put_text("cdr", &content);
-    put(uint32_t{0}, &content);  // bytes of further properties
+    put(uint32_t{0}, &content);  // size of further properties, which there are not
     return channel_records_.emplace_back(record(kChannel, content));
   }
 
@@ -149,7 +149,7 @@ class McapWriter : public BagWriter {
     chunk_span_ = {};
   }
 
-  // Behind its chunk; and the record that the summary has of it.
+  // Writes the chunk's index behind the chunk, and keeps the record on the chunk for the summary.
   void write_index(uint64_t chunk_at, uint64_t chunk_record_bytes, uint64_t stored_bytes) {
     const uint64_t begin = position_;
     std::string offsets;
@@ -197,7 +197,8 @@ class McapWriter : public BagWriter {
     return record(kStatistics, content);
   }
 
-  // What is in the file, so that nobody has to read all of it; then where the kinds of records begin in this.
+  // Writes the summary, so that nobody has to read the whole file; then the offsets of the kinds of records in the
+  // summary.
   void write_summary() {
     const uint64_t begin = position_;
     std::string summary, offsets;
@@ -218,7 +219,7 @@ class McapWriter : public BagWriter {
     std::string footer;
     put(begin, &footer);
     put(begin + summary.size(), &footer);
-    put(uint32_t{0}, &footer);  // the place of the checksum, which is of all before it
+    put(uint32_t{0}, &footer);  // the place of the checksum, which covers all of the summary before it
     footer = record(kFooter, footer);
     footer.resize(footer.size() - sizeof(uint32_t));
     const std::string checked = summary + offsets + footer;
@@ -229,13 +230,13 @@ class McapWriter : public BagWriter {
 
   WholeFile file_;
   uint64_t position_ = 0;
-  uint32_t crc_ = 0;  // of all so far
+  uint32_t crc_ = 0;  // checksum of everything so far
   std::map<std::string, uint16_t> schemas_, channels_;
   std::vector<std::string> schema_records_, channel_records_, chunk_records_;
   std::map<uint16_t, uint32_t> messages_;
   TimeSpan span_, chunk_span_;
   std::string chunk_;
-  std::map<uint16_t, std::vector<std::pair<uint64_t, uint64_t>>> index_;  // of the chunk: times and places in it
+  std::map<uint16_t, std::vector<std::pair<uint64_t, uint64_t>>> index_;  // of the chunk: times and positions
 };
 
 }  // namespace

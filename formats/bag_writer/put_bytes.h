@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Numbers and texts as bags store them, little endian.
+// Appends numbers and texts as bags store them, little endian.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ void put(Number value, std::string* out) {
   for (size_t i = 0; i < sizeof(Number); ++i) *out += static_cast<char>(bits >> 8 * i);
 }
 
-// Behind its length.
+// Puts the text's length before the text.
 inline void put_text(std::string_view text, std::string* out) {
   put(static_cast<uint32_t>(text.size()), out);
   *out += text;

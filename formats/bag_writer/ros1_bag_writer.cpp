@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A record is a header of fields "name=value", and data, each behind its length.
+// Writes ROS 1's bags, format 2.0. A record is a header of fields "name=value", and data, each preceded by its length.
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -23,7 +23,7 @@ std::string bytes_of(Number value) {
   return bytes;
 }
 
-// Seconds and nanoseconds.
+// Returns a time as seconds and nanoseconds, of 4 bytes each.
 std::string time_of(int64_t time_ns) {
   constexpr int64_t kNanoseconds = 1'000'000'000;
   return bytes_of(static_cast<uint32_t>(time_ns / kNanoseconds)) +
@@ -46,7 +46,8 @@ std::string record(Op op, Fields fields, std::string_view data) {
   return bytes;
 }
 
-// It is written anew at the end, when it is known, and so is always of one length.
+// Returns the bag's header. It always has the same length, because it is overwritten at the end, when its values are
+// known.
 std::string bag_header(uint64_t index_at, size_t connections, size_t chunks) {
   constexpr size_t kBytes = 4096;
   const auto with_padding = [&](size_t bytes) {
@@ -74,9 +75,9 @@ class Ros1BagWriter : public BagWriter {
     last_ns_ = std::max(last_ns_, time_ns);
   }
 
-  std::string problem() const override { return file_.problem(); }
+  const Result<>& so_far() const override { return file_.so_far(); }
 
-  std::string close() override {
+  Result<> close() override {
     end_chunk();
     const uint64_t index_at = position_;
     add(connection_records_ + chunk_infos_);
@@ -85,7 +86,7 @@ class Ros1BagWriter : public BagWriter {
   }
 
  private:
-  struct Index {  // of the messages of a connection in a chunk
+  struct Index {  // index of a connection's messages in a chunk
     uint32_t count = 0;
     std::string entries;
   };
@@ -144,7 +145,7 @@ class Ros1BagWriter : public BagWriter {
   std::string connection_records_, chunk_infos_, chunk_;
   std::map<uint32_t, Index> index_;
   static constexpr int64_t kNoTime = std::numeric_limits<int64_t>::max();
-  int64_t first_ns_ = kNoTime, last_ns_ = 0;  // of the chunk
+  int64_t first_ns_ = kNoTime, last_ns_ = 0;  // first and last time in the chunk
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ class MessageWriter {
   }
   template <class Number>
   void number(Number value) {
-    // CDR: each number at a multiple of its size, counted from behind the preamble.
+    // CDR aligns each number to its size, counted from the end of the preamble.
     while (is_cdr_ && (bytes_.size() - kPreambleBytes) % sizeof(Number) != 0) bytes_ += '\0';
     put(value, &bytes_);
   }
@@ -97,7 +97,7 @@ std::string camera_info_message(const Camera& camera, int64_t utime_us, Ros ros)
   out.reals({c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1});           // K
   out.reals({1, 0, 0, 0, 1, 0, 0, 0, 1});                       // R
   out.reals({c.fx, 0, c.cx, 0, 0, c.fy, c.cy, 0, 0, 0, 1, 0});  // P
-  constexpr int kOfBinningAndRegion = 6;                        // 0: all of the image
+  constexpr int kOfBinningAndRegion = 6;                        // numbers that are 0 for the whole image
   for (int i = 0; i < kOfBinningAndRegion; ++i) out.count(0);
   out.number(uint8_t{0});  // do_rectify
   return out.bytes();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Images, calibrations and poses as the bytes of ROS's messages: as ROS 1 writes them, or in CDR (ROS 2).
+// Writes images, calibrations and poses as messages of ROS 1, or of ROS 2 (CDR).
 #pragma once
 
 #include <string>
@@ -12,16 +12,16 @@
 
 namespace rumi {
 
-// The frames: the camera's axes are x right, y down, z forward, as of ROS's optical frames.
+// Names of the frames. The camera's axes are x right, y down, z forward, as in ROS's optical frames.
 inline constexpr const char* kMapFrame = "map";
 inline constexpr const char* kCameraFrame = "camera";
 
-// A JPEG as sensor_msgs/CompressedImage, all else as sensor_msgs/Image with its pixels as they are.
+// Writes a JPEG as sensor_msgs/CompressedImage, all else as sensor_msgs/Image with its pixels as they are.
 std::string image_message(const image_t& image, Ros ros);
 const char* type_of(const image_t& image);
 std::string camera_info_message(const Camera& camera, int64_t utime_us, Ros ros);
 std::string pose_message(const TimedPose& pose, Ros ros);
-// The pose again, as the transform of the camera's frame.
+// Writes the pose as the transform of the camera's frame (tf).
 std::string transforms_message(const TimedPose& pose, Ros ros);
 std::string path_message(const std::vector<TimedPose>& poses, Ros ros);
 

@@ -9,11 +9,11 @@
 namespace rumi {
 namespace {
 
-// ROS 2 wants the names of members in small letters, and has no number in a header.
+// ROS 2 requires small letters in the names of members, and its header has no sequence number.
 struct Definition {
   std::string text;
-  std::string of_ros1;  // if it differs there
-  std::string md5;      // of ROS 1, of types that are written
+  std::string of_ros1;  // text in ROS 1, if it differs; else empty
+  std::string md5;      // checksum in ROS 1; only of types that are written
 };
 
 const std::map<std::string, Definition>& definitions() {
@@ -55,7 +55,7 @@ const std::string& text_of(const std::string& type, Ros ros) {
   return ros == Ros::k1 && !definition.of_ros1.empty() ? definition.of_ros1 : definition.text;
 }
 
-// The types that it consists of, and those of these; each once.
+// Adds the types of the members of `type`, and of their members, each once.
 void add_parts(const std::string& type, Ros ros, std::vector<std::string>* parts, std::set<std::string>* known) {
   std::istringstream lines(text_of(type, ros));
   for (std::string member; std::getline(lines, member);) {

@@ -8,7 +8,7 @@ namespace rumi {
 
 enum class Ros { k1, k2 };
 
-// Of the types that are written a bag holds the definition, so that its readers need not know them.
+// Types that are written. A bag holds their definitions, so that readers need not know them.
 inline constexpr const char* kImageType = "sensor_msgs/Image";
 inline constexpr const char* kCompressedImageType = "sensor_msgs/CompressedImage";
 inline constexpr const char* kCameraInfoType = "sensor_msgs/CameraInfo";
@@ -16,11 +16,12 @@ inline constexpr const char* kPoseType = "geometry_msgs/PoseStamped";
 inline constexpr const char* kPathType = "nav_msgs/Path";
 inline constexpr const char* kTransformsType = "tf2_msgs/TFMessage";
 
-// With those of the types that it consists of, each behind a line of '='. Precondition: it is one of the above.
+// Returns the definition of a type, followed by those of the types in it, each behind a line of '='. Precondition: the
+// type is one of the above.
 std::string definition_of(const std::string& type, Ros ros);
-// By which ROS 1 tells definitions apart.
+// Returns the checksum by which ROS 1 tells definitions apart. Precondition: the type is one of the above.
 std::string md5_of(const std::string& type);
-// "sensor_msgs/msg/Image" in ROS 2.
+// Returns "sensor_msgs/msg/Image" in ROS 2, "sensor_msgs/Image" in ROS 1.
 std::string full_name(const std::string& type, Ros ros);
 
 }  // namespace rumi

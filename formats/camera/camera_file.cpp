@@ -22,28 +22,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMaxListBytes = 4 << 20;  // of devices and cameras
+constexpr size_t kMaxListBytes = 4 << 20;  // largest file that is read: lists of cameras are longer than our YAML
 
 constexpr const char* kExpected =
     "expected our YAML (fx: 525 ... width: 640, see config/cameras), or a file of a tool that docs/calibration.md "
     "names";
 
-// With an error, or with cameras.
-FileCameras read_text(const std::string& text, const std::string& name) {
-  FileCameras refused;
-  if (const std::string stranger = known_stranger(text); !stranger.empty()) {
-    refused.error = fmt::format("{}: {}", name, stranger);
-    return refused;
-  }
-  const std::optional<Fields> fields = fields_of_text(text, name, kExpected, &refused.error);
-  return fields ? read_fields(*fields) : refused;
+Result<FileCameras> read_text(const std::string& text, const std::string& name) {
+  if (const std::string stranger = known_stranger(text); !stranger.empty()) return Error{stranger, name};
+  const Result<Fields> fields = fields_of_text(text, name, kExpected);
+  if (!fields) return fields.error();
+  return read_fields(*fields);
 }
 
-// What is wrong with the numbers, or nothing.
-std::string check(const FileCamera& read, const std::string& file) {
-  if (!read.error.empty()) return read.error;
-  const std::string wrong = check_calibration(read.camera);
-  return wrong.empty() ? "" : fmt::format("{}: {}", read.name.empty() ? file : file + ", " + read.name, wrong);
+// Returns the camera; an Error if it cannot be used, or its numbers make no sense.
+Result<Camera> usable(const FileCamera& read, const std::string& file) {
+  if (!read.camera) return read.camera;
+  const Result<> checked = check_calibration(*read.camera);
+  if (!checked) return Error{checked.error_text(), read.name.empty() ? file : file + ", " + read.name};
+  return read.camera;
 }
 
 std::vector<std::string> lenses_of(const FileCameras& all) {
@@ -53,7 +50,7 @@ std::vector<std::string> lenses_of(const FileCameras& all) {
   return lenses;
 }
 
-// Of COLMAP's there may be one an image.
+// Names only the first lenses: COLMAP's file may have a camera for each image.
 std::string in_short(const std::vector<std::string>& lenses) {
   constexpr size_t kMostNamed = 8;
   const size_t named = std::min(lenses.size(), kMostNamed);
@@ -62,85 +59,91 @@ std::string in_short(const std::vector<std::string>& lenses) {
                      more);
 }
 
-// The camera of this name (any case), or the one of the file that is meant if there is no name.
-CameraFileResult choose(const FileCameras& all, const std::string& file, const std::string& choice) {
-  CameraFileResult result;
-  result.format = all.format, result.error = all.error, result.file = file;
-  if (!result.ok()) return result;
+// Finds the camera of this name or lens (any case), the default camera if `choice` is empty. An Error if the file does
+// not have it.
+Result<FileCamera> find_camera(const FileCameras& all, const std::string& file, const std::string& choice) {
   const auto is_meant = [&choice](const FileCamera& camera) {
     const std::string wanted = lower_case(choice);
     return wanted.empty() || lower_case(camera.name) == wanted || lower_case(camera.lens) == wanted;
   };
   const auto chosen = std::find_if(all.cameras.begin(), all.cameras.end(), is_meant);
+  if (chosen != all.cameras.end()) return *chosen;
   const std::vector<std::string> lenses = lenses_of(all);
-  if (chosen == all.cameras.end()) {
-    result.error = lenses.size() < 2 ? fmt::format("{}: has one camera only: give it without ':{}'", file, choice)
-                                     : fmt::format("{}: has no camera '{}': it has {}", file, choice, in_short(lenses));
-    return result;
-  }
-  result.camera = chosen->camera, result.error = check(*chosen, file);
+  if (lenses.size() < 2) return Error{fmt::format("has one camera only: give it without ':{}'", choice), file};
+  return Error{fmt::format("has no camera '{}': it has {}", choice, in_short(lenses)), file};
+}
+
+Result<CameraFile> choose(const FileCameras& all, const std::string& file, const std::string& choice) {
+  const Result<FileCamera> chosen = find_camera(all, file, choice);
+  if (!chosen) return chosen.error();
+  const std::vector<std::string> lenses = lenses_of(all);
+  const bool is_default_of_several = choice.empty() && lenses.size() > 1;
+  const Result<Camera> camera = usable(*chosen, file);
+  if (!camera && is_default_of_several)
+    return Error{camera.error_text() + fmt::format(" (or name another camera of the file, {}, as in {}:{})",
+                                                   in_short(lenses), file, lenses[1])};
+  if (!camera) return camera.error();
+  CameraFile result;
+  result.camera = *camera, result.format = all.format, result.file = file;
   result.name = chosen->name, result.lens = chosen->lens, result.notes = chosen->notes;
   if (!chosen->mask.empty()) result.mask = (fs::path(file).parent_path() / chosen->mask).string();
-  if (!result.ok()) {
-    result.camera = Camera();
-    if (choice.empty() && lenses.size() > 1)
-      result.error +=
-          fmt::format(" (or name another camera of the file, {}, as in {}:{})", in_short(lenses), file, lenses[1]);
-    return result;
-  }
-  if (const Fold fold = fold_of(result.camera); !fold.note.empty())
-    result.notes.push_back(fmt::format("{}: {}", file, fold.note));
+  if (const Fold fold = fold_of(*camera); !fold.text.empty())
+    result.notes.push_back(fmt::format("{}: {}", file, fold.text));
   for (const FileCamera& other : all.cameras)
-    if (other.name != chosen->name && check(other, file).empty())
-      result.others.push_back({other.name, other.lens, other.camera});
-  if (choice.empty() && lenses.size() > 1)
+    if (const Result<Camera> its = usable(other, file); its && other.name != chosen->name)
+      result.others.push_back({other.name, other.lens, *its});
+  if (is_default_of_several)
     result.notes.push_back(fmt::format("{}: has {} cameras ({}): {} is taken; {}:{} would name another", file,
                                        lenses.size(), in_short(lenses), chosen->lens, file, lenses[1]));
   return result;
 }
 
-// Files that are more than YAML of a few kB.
-FileCameras read_file_text(const std::string& text, const std::string& name) {
+// Reads the text of a file. It may be longer than our YAML, and in formats that texts from the network may not have.
+Result<FileCameras> read_file_text(const std::string& text, const std::string& name) {
   try {
     if (is_realsense_listing(text)) return read_realsense(text, name);
     if (is_nerf_list(text)) return read_nerf_list(text, name);
     if (is_colmap_list(text)) return read_colmap(text, name);
-  } catch (const YAML::Exception& e) {  // their lines become YAML
-    return {"", {}, fmt::format("{}: cannot be read ({}): {}", name, e.msg, kExpected)};
+  } catch (const YAML::Exception& e) {  // these readers turn lines into YAML
+    return Error{fmt::format("cannot be read ({}): {}", e.msg, kExpected), name};
   }
   const std::string yaml = text.size() <= kMaxYamlBytes ? yaml_of_opencv_xml(text) : "";
   return read_text(yaml.empty() ? text : yaml, name);
 }
 
-CameraFileResult read_chosen(const std::string& file, const std::string& choice) {
-  CameraFileResult result;
-  std::error_code code;
+Result<std::string> text_of(const std::string& file) {
   const std::string why = why_unreadable(file, "give the camera's calibration with --camera FILE");
-  if (!why.empty()) {
-    result.error = fmt::format("{}: {}", file, why);
-  } else if (fs::is_directory(file, code)) {
-    result.error = fmt::format("{}: is a folder; give the calibration file in it", file);
-  } else {
-    std::ifstream stream(file, std::ios::binary);
-    const std::uintmax_t size = fs::file_size(file, code);  // a pipe has none
-    std::string text(code ? kMaxListBytes : std::min<std::uintmax_t>(size, kMaxListBytes) + 1, '\0');
-    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
-    if (stream.is_open() && !stream.bad()) return choose(read_file_text(text, file), file, choice);
-    result.error = fmt::format("{}: cannot be read; is the disk in order?", file);
-  }
-  return result;
+  if (!why.empty()) return Error{why, file};
+  std::error_code code;
+  if (fs::is_directory(file, code)) return Error{"is a folder", file, "give the calibration file in it"};
+  std::ifstream stream(file, std::ios::binary);
+  const std::uintmax_t size = fs::file_size(file, code);  // fails for a pipe
+  std::string text(code ? kMaxListBytes : std::min<std::uintmax_t>(size, kMaxListBytes) + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
+  if (!stream.is_open() || stream.bad()) return Error{"cannot be read", file, "is the disk in order?"};
+  return text;
+}
+
+Result<CameraFile> read_chosen(const std::string& file, const std::string& choice) {
+  const Result<std::string> text = text_of(file);
+  if (!text) return text.error();
+  const Result<FileCameras> all = read_file_text(*text, file);
+  if (!all) return all.error();
+  return choose(*all, file, choice);
 }
 
 }  // namespace
 
-CameraFileResult parse_camera(const std::string& text, const std::string& name) {
-  CameraFileResult result = choose(read_text(text, name), name, "");
-  result.mask.clear();  // a text from the network names no files here
+Result<CameraFile> parse_camera(const std::string& text, const std::string& name) {
+  const Result<FileCameras> all = read_text(text, name);
+  if (!all) return all.error();
+  Result<CameraFile> result = choose(*all, name, "");
+  if (result) result->mask.clear();  // a text from the network must not name files of this computer
   return result;
 }
 
-CameraFileResult read_camera_file(const std::string& file) {
+Result<CameraFile> read_camera_file(const std::string& file) {
   std::error_code code;
   const size_t colon = file.rfind(':');
   const bool names_camera = colon != std::string::npos && colon + 1 < file.size() && !fs::exists(file, code) &&
@@ -148,9 +151,9 @@ CameraFileResult read_camera_file(const std::string& file) {
   return names_camera ? read_chosen(file.substr(0, colon), file.substr(colon + 1)) : read_chosen(file, "");
 }
 
-void choose_size(int width, int height, CameraFileResult* result) {
+void choose_size(int width, int height, CameraFile* result) {
   if (result->camera.width == width && result->camera.height == height) return;
-  for (CameraFileResult::Other& other : result->others) {
+  for (CameraFile::Other& other : result->others) {
     if (other.lens != result->lens || other.camera.width != width || other.camera.height != height) continue;
     std::swap(other.name, result->name);
     std::swap(other.camera, result->camera);
@@ -158,8 +161,8 @@ void choose_size(int width, int height, CameraFileResult* result) {
   }
 }
 
-std::string advice_on_size(const CameraFileResult& calibration, int width, int height) {
-  for (const CameraFileResult::Other& other : calibration.others)
+std::string advice_on_size(const CameraFile& calibration, int width, int height) {
+  for (const CameraFile::Other& other : calibration.others)
     if (other.camera.width == width && other.camera.height == height)
       return fmt::format("{} of the same file is for this size: if it is this camera, give --camera {}:{}", other.name,
                          calibration.file, other.lens);
@@ -177,7 +180,7 @@ std::string advice_on_size(const CameraFileResult& calibration, int width, int h
       width < camera.width ? "smaller" : "larger", c.fx, c.fy, c.cx, c.cy, width, height);
 }
 
-void log_notes(const CameraFileResult& result) {
+void log_notes(const CameraFile& result) {
   for (const std::string& note : result.notes) log_warning("{}", note);
   if (result.name != result.lens) log_info("{}: its camera {} is taken", result.file, result.name);
 }

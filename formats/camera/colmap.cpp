@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// COLMAP's cameras.txt: CAMERA_ID MODEL WIDTH HEIGHT PARAMS... in each line.
+// Reads COLMAP's cameras.txt: CAMERA_ID MODEL WIDTH HEIGHT PARAMS... in each line.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr size_t kMostLines = 1000;
 
-// What the parameters of a model are, in their order.
+// Returns the parameters of each model, in their order in the line.
 const std::map<std::string, std::vector<std::string>>& parameters() {
   static const std::map<std::string, std::vector<std::string>> kParameters = {
       {"SIMPLE_PINHOLE", {"f", "cx", "cy"}},
@@ -63,7 +63,7 @@ FileCamera read_line(const std::vector<std::string>& words, const std::string& f
     camera.width = in.size("width"), camera.height = in.size("height");
     camera.fx = in.number(in.spelling({"fx", "f"}), "pixels"),
     camera.fy = in.number(in.spelling({"fy", "f"}), "pixels");
-    // COLMAP's pixel (0, 0) begins at the corner of the image.
+    // COLMAP counts from the corner of the first pixel, Rumi from its centre.
     camera.cx = in.number("cx", "pixels") - 0.5, camera.cy = in.number("cy", "pixels") - 0.5;
     std::vector<double> d;
     const bool fisheye = model.ends_with("FISHEYE");
@@ -86,8 +86,8 @@ bool is_colmap_list(const std::string& text) {
   return false;
 }
 
-FileCameras read_colmap(const std::string& text, const std::string& file) {
-  FileCameras all{"COLMAP", {}, ""};
+Result<FileCameras> read_colmap(const std::string& text, const std::string& file) {
+  FileCameras all{"COLMAP", {}};
   std::istringstream in(text);
   for (std::string line; std::getline(in, line) && all.cameras.size() < kMostLines;)
     if (const std::vector<std::string> words = words_of(line); is_camera_line(words))

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// DSO's and LSD-SLAM's camera.txt: [MODEL] fx fy cx cy ..., width height, crop, width height; a line each.
+// Recognizes camera.txt of DSO and LSD-SLAM, with three lines: [MODEL] fx fy cx cy ...; width height; crop; and then
+// the output's width height.
 #include <fmt/format.h>
 
 #include <cctype>
@@ -12,7 +13,7 @@
 namespace rumi {
 namespace {
 
-// What to write for the coefficients behind cy; nothing for a model that is not had here.
+// Returns our fields for the coefficients that follow cy; empty for a model that is not supported here.
 std::string coefficients(const std::string& model, const std::vector<double>& d) {
   static const std::map<std::string, std::vector<const char*>> kNames = {{"RadTan", {"k1", "k2", "p1", "p2"}},
                                                                          {"EquiDistant", {"k1", "k2", "k3", "k4"}},
@@ -40,7 +41,7 @@ std::string known_dso(const std::string& text) {
   for (double value = 0; d.size() < 4 && line >> value;) d.push_back(value);
   if (d.empty() || !(in >> width >> height) || width <= 0 || height <= 0) return "";
   if (model.empty() || model == "Pinhole") model = d[0] == 0 ? "Pinhole" : "FOV";
-  // Values below 1 are parts of the size, counted from the corner of the first pixel.
+  // Values below 1 are fractions of the size, counted from the corner of the first pixel.
   const bool is_relative = k[2] < 1 && k[3] < 1;
   const double across = is_relative ? width : 1, down = is_relative ? height : 1, corner = is_relative ? 0.5 : 0;
   const std::string lens = coefficients(model, d);

@@ -14,7 +14,7 @@ constexpr const char* kWriteOwn =
     "write its numbers as fx, fy, cx, cy, k1, k2, p1, p2, k3, width, height (docs/calibration.md)";
 
 struct Stranger {
-  const char* sign;  // a key, or its beginning; or a piece of the text
+  const char* sign;  // the beginning of a key
   std::string what;
 };
 
@@ -40,16 +40,14 @@ const std::vector<Stranger>& strangers_by_key() {
   return kStrangers;
 }
 
-FileCameras refuse(const Fields& in, const std::string& what) {
+Error refuse(const Fields& in, const std::string& what) {
   const bool says_what_to_do = what.find(':') != std::string::npos;
-  return {"",
-          {},
-          fmt::format("{}: {}{}", in.file(), what,
-                      says_what_to_do ? "" : std::string(", which is not read: ") + kWriteOwn)};
+  if (says_what_to_do) return {what, in.file()};
+  return {fmt::format("{}, which is not read: {}", what, kWriteOwn), in.file()};
 }
 
-// KITTI's calib.txt: P0 to P3 with the twelve numbers of a projection each, and no size of the images.
-FileCameras refuse_kitti(Fields in) {
+// Refuses KITTI's calib.txt: it has P0 to P3, the twelve numbers of a projection each, and no size of the images.
+Error refuse_kitti(Fields in) {
   std::istringstream text(in.text("P0", ""));
   double p[12] = {};
   for (double& value : p) text >> value;
@@ -59,10 +57,11 @@ FileCameras refuse_kitti(Fields in) {
                             p[0], p[5], p[2], p[6]));
 }
 
-FileCameras read_one(const Fields& in);
+Result<FileCameras> read_one(const Fields& in);
 
-// Cameras that are a group each: camera0: {camera_matrix: ...}.
-FileCameras read_groups(const Fields& in) {
+// Reads a file with a group for each camera: camera0: {camera_matrix: ...}. Returns no cameras if the file has no such
+// groups.
+Result<FileCameras> read_groups(const Fields& in) {
   FileCameras all;
   for (const std::string& name : in.names()) {
     const std::string group = name.substr(0, name.find('.'));
@@ -70,9 +69,10 @@ FileCameras read_groups(const Fields& in) {
                                       [&group](const FileCamera& camera) { return camera.name == group; });
     if (is_known || group == name || !in.has_any(group + ".camera_matrix")) continue;
     if (all.cameras.size() >= kMostCameras) return too_many_cameras(in);
-    FileCameras one = read_one(in.group(group + "."));
-    all.format = one.format;
-    for (FileCamera& camera : one.cameras) {
+    Result<FileCameras> one = read_one(in.group(group + "."));
+    if (!one) continue;
+    all.format = one->format;
+    for (FileCamera& camera : one->cameras) {
       camera.name = camera.lens = group;
       all.cameras.push_back(std::move(camera));
     }
@@ -80,7 +80,7 @@ FileCameras read_groups(const Fields& in) {
   return all;
 }
 
-FileCameras refuse_unknown(const Fields& in) {
+Error refuse_unknown(const Fields& in) {
   if (in.has("P0")) return refuse_kitti(in);
   for (const Stranger& stranger : strangers_by_key())
     if (in.has_any(stranger.sign)) return refuse(in, stranger.what);
@@ -106,9 +106,9 @@ bool has_kalibr_camera(const Fields& in) {
   return false;
 }
 
-FileCameras read_one(const Fields& in) {
+Result<FileCameras> read_one(const Fields& in) {
   if (in.has_any("Camera.") || in.has_any("Camera1.")) return read_orbslam(in);
-  // Only FileStorage's matrices have an element type; only ROS has them with rows and columns and none.
+  // FileStorage's matrices have an element type; ROS's have rows and columns and no type.
   const bool is_ros = in.has("camera_matrix.data") && !in.has("camera_matrix.dt");
   if (is_ros && in.has_any("distortion_coefficients")) return read_ros(in);
   if (has_one_of(in, {"camera_matrix", "Camera_Matrix", "cameraMatrix", "CameraMatrix", "intrinsic_matrix", "mtx"}))
@@ -126,15 +126,15 @@ FileCameras read_one(const Fields& in) {
 
 }  // namespace
 
-FileCameras too_many_cameras(const Fields& in) {
-  return {"", {}, fmt::format("{}: has more than {} cameras: keep the one that you use", in.file(), kMostCameras)};
+Error too_many_cameras(const Fields& in) {
+  return {fmt::format("has more than {} cameras: keep the one that you use", kMostCameras), in.file()};
 }
 
-FileCameras read_fields(const Fields& in) {
-  if (!in.error().empty()) return {"", {}, in.error()};
+Result<FileCameras> read_fields(const Fields& in) {
+  if (in.error()) return *in.error();
   if (in.has("fisheye_params.camera_matrix")) return read_gyroflow(in);
-  const FileCameras groups = read_groups(in);
-  return groups.cameras.empty() && groups.error.empty() ? read_one(in) : groups;
+  Result<FileCameras> groups = read_groups(in);
+  return groups && groups->cameras.empty() ? read_one(in) : groups;
 }
 
 std::string known_stranger(const std::string& text) {

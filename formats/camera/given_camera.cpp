@@ -3,14 +3,14 @@
 
 #include <stdexcept>
 
+#include "base/or_throw.h"
 #include "formats/camera/camera_file.h"
 
 namespace rumi {
 
 std::optional<Camera> read_given_camera(const std::string& file) {
   if (file.empty()) return std::nullopt;
-  const CameraFileResult read = read_camera_file(file);
-  if (!read.ok()) throw std::runtime_error(read.error);
+  const CameraFile read = or_throw(read_camera_file(file));
   log_notes(read);
   return read.camera;
 }

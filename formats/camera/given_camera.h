@@ -8,8 +8,8 @@
 
 namespace rumi {
 
-// The camera of a calibration file that a user named for a process; nothing if `file` is empty. Its notes are logged.
-// Throws std::runtime_error, with what to do, if it cannot be read.
+// Returns the camera of a calibration file that a user named for a process, and logs its notes; nullopt if `file` is
+// empty. Throws std::runtime_error, with what to do, if the file cannot be read.
 std::optional<Camera> read_given_camera(const std::string& file);
 
 }  // namespace rumi

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Lens profiles of Gyroflow (GoPro and others): OpenCV's fisheye, calibrated in the size calib_dimension.
+// Reads lens profiles of Gyroflow (GoPro and others): OpenCV's fisheye, calibrated in the size calib_dimension.
 #include <fmt/format.h>
 
 #include "formats/camera/formats.h"
@@ -7,7 +7,7 @@
 
 namespace rumi {
 
-FileCameras read_gyroflow(Fields in) {
+Result<FileCameras> read_gyroflow(Fields in) {
   Camera camera;
   camera.width = in.size("calib_dimension.w"), camera.height = in.size("calib_dimension.h");
   const std::pair<const char*, int> others[] = {{"fisheye_params.image_width", camera.width},
@@ -24,10 +24,10 @@ FileCameras read_gyroflow(Fields in) {
   else
     refuse_model(in, "distortion_model", model, "opencv_fisheye");
   camera.fps = in.optional_number("fps");
-  in.pass_over({"orig_dimension", "output_dimension"});  // of the video before and after
+  in.pass_over({"orig_dimension", "output_dimension"});  // sizes of the video before and after
   FileCamera read = file_camera("", camera, in);
-  read.notes.clear();  // names, sizes of the result, how well it was calibrated
-  return {"Gyroflow", {read}, ""};
+  read.notes.clear();  // they only name fields that do not matter here
+  return FileCameras{"Gyroflow", {read}};
 }
 
 }  // namespace rumi

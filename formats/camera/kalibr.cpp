@@ -10,14 +10,14 @@
 namespace rumi {
 namespace {
 
-// Kalibr's cam0 and EuRoC's sensor.yaml share all but the names of the distortion.
+// Reads Kalibr's cam0 or EuRoC's sensor.yaml, which differ only in the name of the field with the coefficients.
 Camera read_camera(Fields& in, const char* coefficients) {
   Camera camera;
   const std::string type = in.text("camera_model", "pinhole");
   if (type != "pinhole") return refuse_model(in, in.full("camera_model"), type, "pinhole"), camera;
   set_intrinsics(in.list("intrinsics", "fx, fy, cx, cy", 4), &camera);
   const std::vector<double> size = in.list("resolution", "width, height", 2);
-  if (!in.error().empty()) return camera;
+  if (in.error()) return camera;
   for (size_t i = 0; i < 2; ++i)
     if (size[i] < 1 || size[i] > 1e6 || size[i] != static_cast<int>(size[i]))
       return in.fail(fmt::format("{}[{}] is '{:.6g}': must be a whole number of pixels", in.full("resolution"), i,
@@ -45,8 +45,8 @@ Camera read_camera(Fields& in, const char* coefficients) {
 
 }  // namespace
 
-FileCameras read_kalibr(const Fields& in) {
-  FileCameras all{"Kalibr", {}, in.error()};
+Result<FileCameras> read_kalibr(const Fields& in) {
+  FileCameras all{"Kalibr", {}};
   std::vector<std::string> names;
   for (const std::string& name : in.names()) {
     const std::string camera = name.substr(0, name.find('.'));
@@ -67,11 +67,11 @@ FileCameras read_kalibr(const Fields& in) {
   return all;
 }
 
-FileCameras read_euroc(Fields in) {
+Result<FileCameras> read_euroc(Fields in) {
   const Camera camera =
       read_camera(in, in.has("distortion_coefficients") || !in.has("distortion_coeffs") ? "distortion_coefficients"
                                                                                         : "distortion_coeffs");
-  return {"EuRoC", {file_camera("", camera, in)}, ""};
+  return FileCameras{"EuRoC", {file_camera("", camera, in)}};
 }
 
 }  // namespace rumi

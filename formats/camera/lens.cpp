@@ -18,7 +18,7 @@ void set_intrinsics(const std::vector<double>& fx_fy_cx_cy, Camera* camera) {
 
 void read_matrix(Fields& in, const std::string& key, Camera* camera) {
   const std::vector<double> k = in.list(key, "fx, 0, cx, 0, fy, cy, 0, 0, 1", 9);
-  if (!in.error().empty()) return;
+  if (in.error()) return;
   const std::string field = in.full(key);
   const auto wrong = [&](const std::string& why) { in.fail(field + " " + why); };
   if (std::all_of(k.begin(), k.end(), [](double v) { return v == 0; }))

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// transforms.json of nerfstudio, instant-ngp and their likes: one camera, and a pose for each image, which are not
-// used.
+// Reads transforms.json of nerfstudio, instant-ngp and their likes: one camera, and a pose for each image. The poses
+// are not used.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ bool has_camera(const json& object) {
   return object.is_object() && (object.contains("fl_x") || object.contains("camera_angle_x"));
 }
 
-// A frame without what is its own: its image and pose.
+// Returns the fields of a frame that describe its camera: all but those of its own image and pose.
 json camera_of(json frame) {
   for (const char* key :
        {"file_path", "transform_matrix", "depth_file_path", "mask_path", "semantic_path", "sharpness", "colmap_im_id"})
@@ -27,13 +27,13 @@ json camera_of(json frame) {
   return frame;
 }
 
-// fl_x, or what an angle of view makes of it.
+// Reads fl_x, or computes it from an angle of view.
 double focal_length(Fields& in, const char* key, const char* angle, int pixels) {
   if (in.has(key) || !in.has(angle)) return in.number(key, "pixels");
   return 0.5 * pixels / std::tan(0.5 * in.number(angle, "radians"));
 }
 
-// COLMAP's pixel (0, 0) begins at the corner of the image, and so it does here.
+// Reads cx or cy. Both count from the corner of the first pixel, as in COLMAP; in Rumi they count from its centre.
 double centre(Fields& in, const char* key, int pixels) {
   if (in.has(key)) return in.number(key, "pixels") - 0.5;
   in.note(fmt::format("{} is not there: the middle of the image is taken", key));
@@ -58,12 +58,12 @@ bool is_nerf_list(const std::string& text) {
          (holds("\"fl_x\"") || holds("\"camera_angle_x\""));
 }
 
-FileCameras read_nerf_list(const std::string& text, const std::string& file) {
-  // A value within values within values would be copied and written by as many calls within calls.
+Result<FileCameras> read_nerf_list(const std::string& text, const std::string& file) {
+  // Deeply nested values would be copied and written recursively.
   constexpr int kDeepest = 8;
   const auto is_shallow = [](int depth, json::parse_event_t, const json&) { return depth <= kDeepest; };
   json root = json::parse(text, is_shallow, /*allow_exceptions=*/false);
-  const auto refuse = [&file](const std::string& why) { return FileCameras{"", {}, fmt::format("{}: {}", file, why)}; };
+  const auto refuse = [&file](const std::string& why) { return Error{why, file}; };
   if (!root.is_object()) return refuse("is a transforms.json that is no correct JSON: is it cut off?");
   const json frames = root.value("frames", json::array());
   root.erase("frames");
@@ -79,11 +79,11 @@ FileCameras read_nerf_list(const std::string& text, const std::string& file) {
   return read_nerf(Fields(load_yaml(json_text(root, 1)), file));
 }
 
-FileCameras read_nerf(Fields in) {
+Result<FileCameras> read_nerf(Fields in) {
   Camera camera;
   if (!in.has("w") || !in.has("h")) {
     refuse_without_size(in);
-    return {"transforms.json", {file_camera("", camera, in)}, ""};
+    return FileCameras{"transforms.json", {file_camera("", camera, in)}};
   }
   camera.width = in.size("w"), camera.height = in.size("h");
   camera.fx = camera.fy = focal_length(in, "fl_x", "camera_angle_x", camera.width);
@@ -104,7 +104,7 @@ FileCameras read_nerf(Fields in) {
   in.pass_over({"frames", "aabb_scale", "scale", "offset", "applied_", "orientation_override", "camera_angle",
                 "ply_file_path", "train_filenames", "test_filenames", "val_filenames", "integer_depth_scale",
                 "enable_depth", "is_fisheye", "up", "centroid", "totp"});
-  return {"transforms.json", {file_camera("", camera, in)}, ""};
+  return FileCameras{"transforms.json", {file_camera("", camera, in)}};
 }
 
 }  // namespace rumi

@@ -9,8 +9,8 @@
 namespace rumi {
 namespace {
 
-// A matrix of FileStorage is a group with the values in it; what is written by hand or in Python is a list, or a list
-// of rows.
+// Returns the key under which the file has the values of a matrix. FileStorage has a group that holds them; files
+// written by hand or in Python have a list, or a list of rows.
 std::string matrix_key(const Fields& in, std::initializer_list<const char*> spellings) {
   for (const std::string key : spellings) {
     if (in.has(key)) return key;
@@ -53,7 +53,8 @@ void emit(const cv::FileNode& node, int depth, YAML::Emitter* out) {
   }
 }
 
-// Four numbers are k1 k2 p1 p2, or a fisheye's k1 k2 k3 k4: as a key or value of some program may tell.
+// Fails if keys or values, as some programs write them, say that the lens is a fisheye: four numbers may be k1 k2 p1
+// p2, or a fisheye's k1 k2 k3 k4.
 void refuse_other_fisheyes(Fields& in) {
   for (const std::string& name : in.names()) {
     const std::string key = name.substr(in.full("").size()), value = lower_case(in.text(key, ""));
@@ -70,7 +71,7 @@ void refuse_other_fisheyes(Fields& in) {
 
 }  // namespace
 
-FileCameras read_opencv(Fields in) {
+Result<FileCameras> read_opencv(Fields in) {
   Camera camera;
   const std::string matrix =
       matrix_key(in, {"camera_matrix", "Camera_Matrix", "cameraMatrix", "CameraMatrix", "intrinsic_matrix", "mtx"});
@@ -80,7 +81,7 @@ FileCameras read_opencv(Fields in) {
   read_image_size(in, &camera);
   read_matrix(in, matrix, &camera);
   const std::vector<double> d = in.list(lens, "k1, k2, p1, p2, k3");
-  // Only the key written by OpenCV's calibration sample tells fisheye from pinhole.
+  // Only the key that OpenCV's calibration sample writes tells fisheye from pinhole.
   const bool fisheye = in.optional_number("fisheye_model") != 0;
   if (!fisheye && d.size() == 4) refuse_other_fisheyes(in);
   fisheye ? set_fisheye(in, d, lens, &camera) : set_radial_tangential(in, d, lens, &camera);
@@ -111,7 +112,7 @@ FileCameras read_opencv(Fields in) {
                 "camera_name"});
   in.pass_over({"camera_matrix.", "Camera_Matrix.", "cameraMatrix.", "CameraMatrix.", "distortion_coefficients.",
                 "Distortion_Coefficients.", "dist_coeffs.", "distCoeffs.", "distortionCoefficients.", "DistCoeffs."});
-  return {"OpenCV", {file_camera("", camera, in)}, ""};
+  return FileCameras{"OpenCV", {file_camera("", camera, in)}};
 }
 
 std::string yaml_of_opencv_xml(const std::string& xml) {

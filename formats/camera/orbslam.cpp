@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ORB-SLAM2 and 3 ("Camera.fx", since ORB-SLAM3 1.0 "Camera1.fx"), OpenVSLAM ("Camera.fx" with Camera.cols) and
-// stella_vslam (the same as a group "Camera").
+// Reads camera files of ORB-SLAM2 and 3 ("Camera.fx", since ORB-SLAM3 1.0 "Camera1.fx"), OpenVSLAM ("Camera.fx" with
+// Camera.cols) and stella_vslam (as OpenVSLAM, but in a group "Camera").
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -29,7 +29,7 @@ Lens read_lens_name(Fields& in) {
   const Lens type = lens_of(in, "Camera.type", kTypes);
   if (!in.has("Camera.model")) return type;
   const Lens model = lens_of(in, "Camera.model", kModels);
-  if (in.has("Camera.type") && in.error().empty() && model != type)
+  if (in.has("Camera.type") && !in.error() && model != type)
     in.fail(fmt::format("Camera.model is {} and Camera.type is {}: remove the one that is wrong",
                         in.quoted("Camera.model"), in.quoted("Camera.type")));
   return model;
@@ -44,7 +44,7 @@ int read_side(Fields& in, const char* ours, const char* other) {
   return side;
 }
 
-// The matrix that some versions have instead of k1, k2, ...
+// Returns the key of the matrix that some versions have instead of k1, k2, ...; empty if there is none.
 std::string coefficient_list(const Fields& in, const std::string& prefix) {
   for (const std::string& key : {std::string("DistCoef"), prefix + "DistCoef", prefix + "D"})
     for (const std::string& spelled : {key, key + ".data"})
@@ -107,7 +107,7 @@ void read_coefficients(Fields& in, Lens lens, const std::string& prefix, Camera*
 Camera read_camera(Fields& in, const std::string& prefix) {
   Camera camera;
   const Lens lens = read_lens_name(in);
-  if (lens == Lens::kRefused || !in.error().empty()) return camera;
+  if (lens == Lens::kRefused || in.error()) return camera;
   camera.width = read_side(in, "Camera.width", "Camera.cols");
   camera.height = read_side(in, "Camera.height", "Camera.rows");
   const std::pair<const char*, double*> required[] = {
@@ -125,7 +125,7 @@ Camera read_camera(Fields& in, const std::string& prefix) {
   return camera;
 }
 
-// What is of the SLAM program, or of a stereo camera, an IMU or a depth image.
+// Skips keys of the SLAM program, of stereo cameras, IMUs and depth images.
 void pass_over_the_rest(Fields& in) {
   in.pass_over({"File.",
                 "System.",
@@ -161,9 +161,9 @@ void pass_over_the_rest(Fields& in) {
 
 }  // namespace
 
-FileCameras read_orbslam(const Fields& in) {
+Result<FileCameras> read_orbslam(const Fields& in) {
   const bool is_stella = in.has("Camera.model") || in.has("Camera.cols");
-  FileCameras all{is_stella ? "OpenVSLAM" : "ORB-SLAM3", {}, in.error()};
+  FileCameras all{is_stella ? "OpenVSLAM" : "ORB-SLAM3", {}};
   const bool has_two = in.has("Camera2.fx") && in.has("Camera1.fx");
   for (const char* name : {"Camera1", "Camera2"}) {
     Fields fields = in;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Basalt, camodocal (VINS-Mono, VINS-Fusion), DepthAI.
+// Reads camera files of Basalt, camodocal (VINS-Mono, VINS-Fusion) and DepthAI.
 #include <fmt/format.h>
 
 #include "formats/camera/formats.h"
@@ -27,7 +27,7 @@ Camera read_basalt_camera(Fields& in, int index) {
   const std::string prefix = fmt::format("intrinsics[{}].", index), lens = prefix + "intrinsics.";
   const std::vector<double> sizes = in.list("resolution", "[width, height] of each camera");
   if (sizes.size() < 2 * static_cast<size_t>(index) + 2) in.fail("value0.resolution has no size of this camera");
-  if (!in.error().empty()) return camera;
+  if (in.error()) return camera;
   for (const double side : {sizes[2 * index], sizes[2 * index + 1]})
     if (!(side >= 0 && side <= 1e6)) return in.fail("value0.resolution: must be numbers of pixels"), camera;
   camera.width = static_cast<int>(sizes[2 * index]), camera.height = static_cast<int>(sizes[2 * index + 1]);
@@ -57,20 +57,20 @@ Camera read_depthai_camera(Fields& in) {
 
 }  // namespace
 
-FileCameras read_basalt(const Fields& in) {
-  FileCameras all{"Basalt", {}, in.error()};
+Result<FileCameras> read_basalt(const Fields& in) {
+  FileCameras all{"Basalt", {}};
   for (int i = 0; i < kMostSockets && in.has_any(fmt::format("value0.intrinsics[{}].", i)); ++i) {
     Fields fields = in.group("value0.");
     const Camera camera = read_basalt_camera(fields, i);
     for (int other = 0; other < kMostSockets; ++other)
       if (other != i) fields.pass_over({fmt::format("intrinsics[{}].", other).c_str()});
     all.cameras.push_back(file_camera(fmt::format("cam{}", i), camera, fields));
-    all.cameras.back().notes.clear();  // vignettes, the IMU and the other cameras
+    all.cameras.back().notes.clear();  // they only name vignettes, the IMU and the other cameras
   }
   return all;
 }
 
-FileCameras read_camodocal(Fields in) {
+Result<FileCameras> read_camodocal(Fields in) {
   Camera camera;
   camera.width = in.size("image_width"), camera.height = in.size("image_height");
   const std::string model = in.text("model_type", ""), p = "projection_parameters.", d = "distortion_parameters.";
@@ -81,7 +81,7 @@ FileCameras read_camodocal(Fields in) {
     set_intrinsics({in.number(p + "mu", "pixels"), in.number(p + "mv", "pixels"), in.number(p + "u0", "pixels"),
                     in.number(p + "v0", "pixels")},
                    &camera);
-    // They count from k1, which is 1.
+    // camodocal counts coefficients from k1, which is always 1: its k2 is our k1.
     set_fisheye(in, coefficients(in, p, {"k2", "k3", "k4", "k5"}), "projection_parameters", &camera);
   } else {
     refuse_model(in, "model_type", model, "PINHOLE and KANNALA_BRANDT");
@@ -113,11 +113,11 @@ FileCameras read_camodocal(Fields in) {
                 "visualize",
                 "save_image",
                 "fisheye"});
-  return {"camodocal", {file_camera("", camera, in)}, ""};
+  return FileCameras{"camodocal", {file_camera("", camera, in)}};
 }
 
-FileCameras read_depthai(const Fields& in) {
-  FileCameras all{"DepthAI", {}, in.error()};
+Result<FileCameras> read_depthai(const Fields& in) {
+  FileCameras all{"DepthAI", {}};
   for (int i = 0; i < kMostSockets; ++i) {
     const std::string prefix = fmt::format("cameraData[{}][1].", i);
     if (!in.has(prefix + "intrinsicMatrix")) continue;
@@ -128,7 +128,7 @@ FileCameras read_depthai(const Fields& in) {
     const bool is_letter = socket >= 0 && socket < 26;
     all.cameras.push_back(file_camera(
         is_letter ? fmt::format("CAM_{}", static_cast<char>('A' + static_cast<int>(socket))) : "CAM", camera, fields));
-    all.cameras.back().notes.clear();  // how it lies to the others
+    all.cameras.back().notes.clear();  // they only name the camera's place among the others
   }
   return all;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rs-enumerate-devices -c` prints: a block for each stream and size, for many people the only calibration.
+// Reads what `rs-enumerate-devices -c` prints: a block for each stream and size. For many people it is the only
+// calibration.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -31,7 +32,7 @@ std::vector<std::string> words_of(std::string text) {
   return {std::istream_iterator<std::string>(in), {}};
 }
 
-// "Intrinsic of "Color" / 640x480 / {...}", and the "Key: value" lines below it.
+// Reads blocks of "Intrinsic of "Color" / 640x480 / {...}", and the "Key: value" lines below.
 std::vector<Block> blocks_of(const std::string& text) {
   constexpr size_t kMostBlocks = 500, kMostValues = 50;
   constexpr const char* kHead = "Intrinsic of \"";
@@ -72,7 +73,7 @@ void set_lens(Fields& in, Camera* camera) {
   if (model.starts_with("kannala"))
     return set_fisheye(in, {d.begin(), d.begin() + std::min<size_t>(d.size(), 4)}, "Coeffs", camera);
   if (is_none) return;
-  // The modified one differs only where there is tangential distortion.
+  // The modified model differs only if there is tangential distortion.
   const bool is_brown =
       model == "brown conrady" || (model == "modified brown conrady" && d.size() > 3 && d[2] == 0 && d[3] == 0);
   if (is_brown) return set_radial_tangential(in, d, "Coeffs", camera);
@@ -93,10 +94,10 @@ FileCamera read_block(const Block& block, const std::string& file) {
   camera.width = in.size("Width"), camera.height = in.size("Height");
   camera.fx = in.number("Fx", "pixels"), camera.fy = in.number("Fy", "pixels");
   camera.cx = in.number("PPX", "pixels"), camera.cy = in.number("PPY", "pixels");
-  if (in.error().empty()) set_lens(in, &camera);
+  if (!in.error()) set_lens(in, &camera);
   FileCamera read = file_camera(name, camera, in);
   read.lens = block.stream;
-  read.notes.clear();  // what else is in a block is its field of view
+  read.notes.clear();  // they only name the field of view, the rest of a block
   return read;
 }
 
@@ -112,8 +113,10 @@ bool is_realsense_listing(const std::string& text) {
          (text.find("Device info:") != std::string::npos && text.find("RealSense") != std::string::npos);
 }
 
-FileCameras read_realsense(const std::string& text, const std::string& file) {
-  FileCameras all{"RealSense", {}, ""};
+Result<FileCameras> read_realsense(const std::string& text, const std::string& file) {
+  FileCameras all{"RealSense", {}};
+  Error unreadable{"is a listing of RealSense cameras without their calibration: make it with rs-enumerate-devices -c",
+                   file};
   for (const Block& block : blocks_of(text)) {
     try {
       FileCamera camera = read_block(block, file);
@@ -121,17 +124,13 @@ FileCameras read_realsense(const std::string& text, const std::string& file) {
                                        [&camera](const FileCamera& other) { return other.name == camera.name; });
       if (is_new) all.cameras.push_back(std::move(camera));
     } catch (const YAML::Exception& e) {
-      all.error = fmt::format("{}, Intrinsic of \"{}\": cannot be read ({})", file, block.stream, e.what());
+      unreadable = {fmt::format("cannot be read ({})", e.what()),
+                    fmt::format("{}, Intrinsic of \"{}\"", file, block.stream)};
     }
   }
   std::stable_sort(all.cameras.begin(), all.cameras.end(),
                    [](const FileCamera& a, const FileCamera& b) { return rank(a.lens) < rank(b.lens); });
-  if (all.cameras.empty() && all.error.empty())
-    all.error = fmt::format(
-        "{}: is a listing of RealSense cameras without their calibration: make it with "
-        "rs-enumerate-devices -c",
-        file);
-  if (!all.cameras.empty()) all.error.clear();
+  if (all.cameras.empty()) return unreadable;
   return all;
 }
 

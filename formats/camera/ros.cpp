@@ -18,7 +18,8 @@ void set_lens(Fields& in, const std::string& key, Camera* camera) {
   refuse_model(in, "distortion_model", model, "plumb_bob, equidistant and rational_polynomial with k4 = k5 = k6 = 0");
 }
 
-// The matrix of a message is that of the whole image, whatever part of it is sent.
+// Fails if the images are only a part of the calibrated ones: the matrix of a message is always that of the whole
+// image.
 void refuse_parts_of_the_image(Fields& in, const Camera& camera) {
   for (const char* key : {"binning_x", "binning_y"})
     if (const double binning = in.optional_number(key); binning > 1)
@@ -36,7 +37,7 @@ void refuse_parts_of_the_image(Fields& in, const Camera& camera) {
 
 }  // namespace
 
-FileCameras read_ros(Fields in) {
+Result<FileCameras> read_ros(Fields in) {
   Camera camera;
   in.pass_over({"camera_name", "camera_matrix.", "distortion_coefficients.", "rectification_matrix",
                 "projection_matrix", "local_transform", "frame_id"});
@@ -44,10 +45,10 @@ FileCameras read_ros(Fields in) {
   camera.height = in.size(in.spelling({"image_height", "height"}));
   read_matrix(in, "camera_matrix.data", &camera);
   set_lens(in, "distortion_coefficients.data", &camera);
-  return {"ROS camera_info", {file_camera("", camera, in)}, ""};
+  return FileCameras{"ROS camera_info", {file_camera("", camera, in)}};
 }
 
-FileCameras read_ros_message(Fields in) {
+Result<FileCameras> read_ros_message(Fields in) {
   Camera camera;
   in.pass_over({"header", "r", "R", "p", "P"});
   camera.width = in.size("width");
@@ -55,7 +56,7 @@ FileCameras read_ros_message(Fields in) {
   read_matrix(in, in.spelling({"k", "K"}), &camera);
   set_lens(in, in.spelling({"d", "D"}), &camera);
   refuse_parts_of_the_image(in, camera);
-  return {"ROS camera_info", {file_camera("", camera, in)}, ""};
+  return FileCameras{"ROS camera_info", {file_camera("", camera, in)}};
 }
 
 }  // namespace rumi

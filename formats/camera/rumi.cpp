@@ -4,16 +4,15 @@
 
 namespace rumi {
 
-FileCameras read_rumi(const Fields& in) {
-  const Calibration own = read_calibration(in);
-  return {"rumi",
-          {{.name = "", .lens = "", .camera = own.camera, .error = own.error, .notes = own.notes, .mask = own.mask}},
-          ""};
+Result<FileCameras> read_rumi(const Fields& in) {
+  const Result<Calibration> own = read_calibration(in);
+  if (!own) return FileCameras{"rumi", {{.name = "", .lens = "", .camera = own.error()}}};
+  return FileCameras{"rumi", {{.name = "", .lens = "", .camera = own->camera, .notes = own->notes, .mask = own->mask}}};
 }
 
 FileCamera file_camera(const std::string& name, const Camera& camera, Fields& in) {
-  if (in.error().empty()) in.tell_unused();
-  return {name, name, camera, in.error(), in.notes()};
+  if (!in.error()) in.tell_unused();
+  return {name, name, in.error() ? Result<Camera>(*in.error()) : camera, in.notes()};
 }
 
 }  // namespace rumi

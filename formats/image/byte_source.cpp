@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kWindowBytes = 16 << 10;
 
-// How many of them there were.
+// Returns how many bytes were read.
 size_t read_at(int fd, int64_t at, std::span<uint8_t> out) {
   size_t done = 0;
   while (done < out.size()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bytes that are read here and there: of a file, or of a piece of one that was decompressed.
+// Gives access to any bytes of a file, or of a decompressed piece of one.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +15,11 @@ class ByteSource {
  public:
   virtual ~ByteSource() = default;
   virtual int64_t size() const = 0;
-  // All of `out`; false if there are not so many, or they cannot be read.
+  // Fills all of `out`. Returns false if there are not so many bytes, or they cannot be read.
   virtual bool read(int64_t at, std::span<uint8_t> out) = 0;
 };
 
-// A file, as long as it was when it was opened. Small reads that follow each other cost no system call each.
+// A file, with the size that it had when it was opened. A buffer saves system calls when small reads follow each other.
 class FileBytes : public ByteSource {
  public:
   explicit FileBytes(const std::string& file);
@@ -43,7 +43,7 @@ class MemoryBytes : public ByteSource {
   std::span<const uint8_t> bytes_;
 };
 
-// Little endian, as all bags are.
+// Reads a little-endian number, as all bags have them.
 template <class Number>
 Number little_endian(std::span<const uint8_t> bytes) {
   uint64_t value = 0;

@@ -20,7 +20,7 @@ bool begins_with(Bytes bytes, std::string_view text) {
   return bytes.size() >= text.size() && std::equal(text.begin(), text.end(), bytes.begin());
 }
 
-// In the directory of the TIFF structure that EXIF is.
+// Searches the directory of the TIFF structure in the EXIF data. Returns 1 (as stored) if it has no orientation.
 int orientation_in_tiff(Bytes tiff) {
   constexpr uint32_t kOrientation = 0x0112;
   constexpr size_t kEntryBytes = 12;

@@ -6,7 +6,7 @@
 
 namespace rumi {
 
-// How a JPEG is to be turned to be shown, 1 to 8 (EXIF); 1, as it is, if it does not say.
+// Returns the orientation in which a JPEG should be shown, 1 to 8 (EXIF); 1, as stored, if the file does not say.
 int exif_orientation(std::span<const uint8_t> jpeg);
 
 }  // namespace rumi

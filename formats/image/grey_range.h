@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From pixels of 16 bits, as cameras for machine vision and thermal ones give, to the 8 that everything works with.
+// Converts pixels of 16 bits, as cameras for machine vision and thermal cameras give them, to the 8 bits that all
+// programs work with.
 #pragma once
 
 #include <cstdint>
@@ -10,25 +11,26 @@
 
 namespace rumi {
 
-// `low` and less become 0, `high` and more 255, linearly between.
+// Pixels of `low` and less become 0, those of `high` and more 255; linear between.
 struct GreyRange {
   int low = 0, high = 65535;  // low < high
 };
 
-// "LOW:HIGH"; nothing for anything else.
+// Parses "LOW:HIGH"; nullopt for any other text.
 std::optional<GreyRange> parse_grey_range(const std::string& text);
 
 // Precondition: 16 bits without sign, 1 or 3 channels.
 cv::Mat to_8_bit(const cv::Mat& pixels, const GreyRange& range);
 
-// Of some images of a recording.
+// A histogram of some images of a recording.
 class GreyHistogram {
  public:
-  static constexpr size_t kMostImages = 16;  // that are worth adding
+  static constexpr size_t kMostImages = 16;  // more images would not change the range
 
   // Images that do not have one channel of 16 bits do not count.
   void add(const cv::Mat& pixels);
-  // That of all pixels but for the darkest and the brightest thousandth; all of 16 bits if there are none.
+  // Returns the range without the darkest and the brightest thousandth of the pixels; the full 16 bits if there are no
+  // pixels.
   GreyRange range() const;
 
  private:
@@ -36,7 +38,7 @@ class GreyHistogram {
   int64_t pixels_ = 0;
 };
 
-// For the log, once a recording.
+// Logs the range, once for each recording.
 void tell_grey_range(const std::string& recording, const GreyRange& range);
 
 }  // namespace rumi

@@ -14,7 +14,7 @@
 #include "bus/wire/jpeg_decoder.h"
 #include "formats/image/image_header.h"
 #include "formats/image/library_messages.h"
-#include "formats/image/max_side.h"
+#include "slam/geometry/max_side.h"
 
 namespace rumi {
 namespace {
@@ -27,33 +27,24 @@ bool is_lfs_pointer(const std::vector<uint8_t>& bytes) {
   return bytes.size() > kMark.size() && std::equal(kMark.begin(), kMark.end(), bytes.begin());
 }
 
-std::optional<std::vector<uint8_t>> read_file(const fs::path& file, std::string* error) {
-  std::error_code code;
-  if (!fs::is_regular_file(file, code)) {
+// Reads a file's bytes. Errors do not name the file: users may know its image by another name.
+Result<std::vector<uint8_t>> read_file(const fs::path& file) {
+  const auto unreadable = [&file](const std::string& otherwise) {
     const std::string why = why_unreadable(file);
-    *error = why.empty() ? "is not a file" : why;
-    return std::nullopt;
-  }
+    return Error{why.empty() ? otherwise : why};
+  };
+  std::error_code code;
+  if (!fs::is_regular_file(file, code)) return unreadable("is not a file");
   const std::uintmax_t size = fs::file_size(file, code);
-  if (code || size > kMaxFileBytes) {
-    *error = code ? code.message() : fmt::format("is {} bytes long: not a camera image", size);
-    return std::nullopt;
-  }
+  if (code) return Error{code.message()};
+  if (size > kMaxFileBytes) return Error{fmt::format("is {} bytes long: not a camera image", size)};
   std::vector<uint8_t> bytes(size);
   std::ifstream stream(file, std::ios::binary);
-  if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size))) {
-    const std::string why = why_unreadable(file);
-    *error = why.empty() ? "cannot be read; is the disk in order?" : why;
-    return std::nullopt;
-  }
-  if (bytes.empty()) {
-    *error = "is empty";
-    return std::nullopt;
-  }
-  if (is_lfs_pointer(bytes)) {
-    *error = "is a pointer of Git LFS, not the image: run `git lfs pull` where it was cloned";
-    return std::nullopt;
-  }
+  if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))
+    return unreadable("cannot be read; is the disk in order?");
+  if (bytes.empty()) return Error{"is empty"};
+  if (is_lfs_pointer(bytes))
+    return Error{"is a pointer of Git LFS, not the image: run `git lfs pull` where it was cloned"};
   return bytes;
 }
 
@@ -61,7 +52,7 @@ bool looks_like_jpeg(const std::vector<uint8_t>& bytes) {
   return bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
 }
 
-// Whatever its name is: phones' programs call some of them .jpg.
+// True if the bytes are a HEIC file, whatever its name: phones' programs call some HEIC files .jpg.
 bool is_heic(const std::vector<uint8_t>& bytes) {
   const std::string beginning(bytes.begin(),
                               bytes.begin() + static_cast<ptrdiff_t>(std::min<size_t>(12, bytes.size())));
@@ -69,21 +60,21 @@ bool is_heic(const std::vector<uint8_t>& bytes) {
   return kind == "ftypheic" || kind == "ftypheix" || kind == "ftypmif1" || kind == "ftyphevc";
 }
 
-// What is wrong with a file that OpenCV is to decode, or an empty string.
-std::string check_header(const std::vector<uint8_t>& bytes) {
+// Checks a file's header before OpenCV decodes it. An Error if OpenCV could not, or the image is too large.
+Result<> check_header(const std::vector<uint8_t>& bytes) {
   const std::optional<HeaderSize> size = size_in_header(bytes);
   if (!size && is_heic(bytes))
-    return "is of the kind HEIC, which is not read: convert it, as with `mogrify -format jpg` of ImageMagick";
-  if (!size) return "is corrupt, or not a JPEG, PNG, BMP, TIFF, PGM, PPM or WebP image";
+    return Error{"is of the kind HEIC, which is not read: convert it, as with `mogrify -format jpg` of ImageMagick"};
+  if (!size) return Error{"is corrupt, or not a JPEG, PNG, BMP, TIFF, PGM, PPM or WebP image"};
   if (size->width < 1 || size->height < 1 || size->width > kMaxSide || size->height > kMaxSide)
-    return fmt::format("has {} x {} pixels: must have 1 to {} a side", size->width, size->height, kMaxSide);
+    return Error{fmt::format("has {} x {} pixels: must have 1 to {} a side", size->width, size->height, kMaxSide)};
   return {};
 }
 
-cv::Mat if_usable(const cv::Mat& pixels, std::string* error) {
-  if (pixels.empty() || pixels.depth() == CV_8U || pixels.depth() == CV_16U) return pixels;
-  *error = "has pixels that are neither of 8 nor of 16 bits without sign; convert it";
-  return {};
+Result<cv::Mat> if_usable(const cv::Mat& pixels) {
+  if (pixels.empty()) return Error{"is corrupt, or not an image"};
+  if (pixels.depth() == CV_8U || pixels.depth() == CV_16U) return pixels;
+  return Error{"has pixels that are neither of 8 nor of 16 bits without sign; convert it"};
 }
 
 image_t to_image(cv::Mat pixels, const std::function<GreyRange()>& range) {
@@ -91,10 +82,9 @@ image_t to_image(cv::Mat pixels, const std::function<GreyRange()>& range) {
   return pixels.channels() == 1 ? make_grey_image(0, pixels) : make_rgb_image(0, pixels);
 }
 
-// 8 or 16 bits a channel; empty, and why in *error, if it cannot be had.
-cv::Mat decode(const std::vector<uint8_t>& bytes, bool colour, std::string* error) {
-  *error = check_header(bytes);
-  if (!error->empty()) return {};
+// Decodes an image to pixels of 8 or 16 bits a channel. An Error if it is corrupt or has other pixels.
+Result<cv::Mat> decode(const std::vector<uint8_t>& bytes, bool colour) {
+  if (const Result<> checked = check_header(bytes); !checked) return checked.error();
   cv::Mat pixels;
   try {
     const DecoderMessages are_ours;
@@ -103,13 +93,12 @@ cv::Mat decode(const std::vector<uint8_t>& bytes, bool colour, std::string* erro
   } catch (const cv::Exception&) {
     pixels.release();
   }
-  if (pixels.empty()) *error = "is corrupt, or not an image";
   if (const int white = white_in_header(bytes); pixels.depth() == CV_8U && white < 255)
     pixels.convertTo(pixels, -1, 255.0 / white);
-  return if_usable(pixels, error);
+  return if_usable(pixels);
 }
 
-cv::Mat decode_page(const fs::path& file, int page, bool colour, std::string* error) {
+Result<cv::Mat> decode_page(const fs::path& file, int page, bool colour) {
   std::vector<cv::Mat> pages;
   try {
     const DecoderMessages are_ours;
@@ -118,9 +107,7 @@ cv::Mat decode_page(const fs::path& file, int page, bool colour, std::string* er
   } catch (const cv::Exception&) {
     pages.clear();
   }
-  if (pages.size() == 1 && !pages[0].empty()) return if_usable(pages[0], error);
-  *error = "is corrupt, or not an image";
-  return {};
+  return if_usable(pages.size() == 1 ? pages[0] : cv::Mat());
 }
 
 }  // namespace
@@ -128,46 +115,42 @@ cv::Mat decode_page(const fs::path& file, int page, bool colour, std::string* er
 GreyRange sample_grey_range(const std::vector<fs::path>& files) {
   GreyHistogram histogram;
   const size_t count = std::min(files.size(), GreyHistogram::kMostImages);
-  for (size_t i = 0; i < count; ++i) {
-    std::string ignored;
-    const auto bytes = read_file(files[i * files.size() / count], &ignored);
-    if (bytes) histogram.add(grey_pixels_of_bytes(*bytes));
-  }
+  for (size_t i = 0; i < count; ++i)
+    if (const Result<std::vector<uint8_t>> bytes = read_file(files[i * files.size() / count]))
+      histogram.add(grey_pixels_of_bytes(*bytes));
   return histogram.range();
 }
 
 cv::Mat grey_pixels_of_bytes(const std::vector<uint8_t>& bytes) {
-  std::string ignored;
-  return looks_like_jpeg(bytes) ? cv::Mat() : decode(bytes, /*colour=*/false, &ignored);
+  return looks_like_jpeg(bytes) ? cv::Mat() : decode(bytes, /*colour=*/false).value_or(cv::Mat());
 }
 
-std::optional<image_t> load_image_file(const fs::path& file, bool colour, const std::function<GreyRange()>& range,
-                                       std::string* error) {
-  std::optional<std::vector<uint8_t>> bytes = read_file(file, error);
-  return bytes ? load_image_bytes(std::move(*bytes), colour, range, error) : std::nullopt;
+Result<image_t> load_image_file(const fs::path& file, bool colour, const std::function<GreyRange()>& range) {
+  Result<std::vector<uint8_t>> bytes = read_file(file);
+  if (!bytes) return bytes.error();
+  return load_image_bytes(std::move(*bytes), colour, range);
 }
 
-std::optional<image_t> load_image_bytes(std::vector<uint8_t> bytes, bool colour,
-                                        const std::function<GreyRange()>& range, std::string* error) {
+Result<image_t> load_image_bytes(std::vector<uint8_t> bytes, bool colour, const std::function<GreyRange()>& range) {
   if (looks_like_jpeg(bytes)) {
-    JpegSize size;
-    if (!inspect_jpeg(bytes, &size, error)) return std::nullopt;
-    bytes.resize(size.bytes);
-    return wrap_jpeg(0, size.width, size.height, std::move(bytes));
+    const Result<JpegSize> size = inspect_jpeg(bytes);
+    if (!size) return size.error();
+    bytes.resize(size->bytes);
+    return wrap_jpeg(0, size->width, size->height, std::move(bytes));
   }
-  const cv::Mat pixels = decode(bytes, colour, error);
-  return pixels.empty() ? std::nullopt : std::optional(to_image(pixels, range));
+  const Result<cv::Mat> pixels = decode(bytes, colour);
+  if (!pixels) return pixels.error();
+  return to_image(*pixels, range);
 }
 
-std::optional<image_t> load_tiff_page(const fs::path& file, int page, bool colour,
-                                      const std::function<GreyRange()>& range, std::string* error) {
-  const cv::Mat pixels = decode_page(file, page, colour, error);
-  return pixels.empty() ? std::nullopt : std::optional(to_image(pixels, range));
+Result<image_t> load_tiff_page(const fs::path& file, int page, bool colour, const std::function<GreyRange()>& range) {
+  const Result<cv::Mat> pixels = decode_page(file, page, colour);
+  if (!pixels) return pixels.error();
+  return to_image(*pixels, range);
 }
 
 cv::Mat grey_pixels_of_page(const fs::path& file, int page) {
-  std::string ignored;
-  return decode_page(file, page, /*colour=*/false, &ignored);
+  return decode_page(file, page, /*colour=*/false).value_or(cv::Mat());
 }
 
 }  // namespace rumi

@@ -11,13 +11,13 @@ namespace {
 
 using File = std::span<const uint8_t>;
 
-constexpr int64_t kMostPnm = 1'000'000'000;  // digits beyond it change nothing
+constexpr int64_t kMostPnm = 1'000'000'000;  // a larger number counts as this one
 
 bool has(File file, size_t at, std::string_view text) {
   return file.size() >= at + text.size() && std::memcmp(&file[at], text.data(), text.size()) == 0;
 }
 
-// Precondition: the bytes are there.
+// Reads a little-endian number. Precondition: the bytes are there.
 uint32_t little(File file, size_t at, int bytes) {
   uint32_t value = 0;
   for (int i = bytes - 1; i >= 0; --i) value = value << 8 | file[at + static_cast<size_t>(i)];
@@ -39,11 +39,11 @@ std::optional<HeaderSize> bmp_size(File file) {
   constexpr uint32_t kOldHeader = 12;
   if (file.size() < 26) return std::nullopt;
   if (little(file, 14, 4) == kOldHeader) return HeaderSize{little(file, 18, 2), little(file, 20, 2)};
-  const int64_t height = static_cast<int32_t>(little(file, 22, 4));  // negative: from the top
+  const int64_t height = static_cast<int32_t>(little(file, 22, 4));  // negative: rows are stored from the top
   return HeaderSize{little(file, 18, 4), height < 0 ? -height : height};
 }
 
-// The next number of a PNM header, after blanks and comments.
+// Reads the next number of a PNM header, after blanks and comments; nullopt if there is none.
 std::optional<int64_t> pnm_number(File file, size_t* at) {
   while (*at < file.size() && (std::isspace(file[*at]) != 0 || file[*at] == '#')) {
     if (file[*at] == '#')
@@ -66,7 +66,8 @@ std::optional<HeaderSize> pnm_size(File file) {
   return HeaderSize{*width, *height};
 }
 
-// Of the first picture in the file. A tag that is there twice counts with its larger value.
+// Reads the size of the first picture in the file; nullopt if the header is broken. If a tag is there twice, the larger
+// value counts.
 std::optional<HeaderSize> tiff_size(File file, uint32_t (*number)(File, size_t, int)) {
   constexpr uint32_t kWidthTag = 256, kHeightTag = 257, kShort = 3, kLong = 4;
   constexpr size_t kEntryBytes = 12;
@@ -80,7 +81,7 @@ std::optional<HeaderSize> tiff_size(File file, uint32_t (*number)(File, size_t, 
     const size_t at = directory + 2 + i * kEntryBytes;
     const uint32_t tag = number(file, at, 2), type = number(file, at + 2, 2);
     if (tag != kWidthTag && tag != kHeightTag) continue;
-    if (type != kShort && type != kLong) return std::nullopt;  // libtiff reads others elsewhere
+    if (type != kShort && type != kLong) return std::nullopt;  // libtiff reads values of other types at another place
     int64_t& side = tag == kWidthTag ? size.width : size.height;
     side = std::max<int64_t>(side, number(file, at + 8, type == kShort ? 2 : 4));
   }

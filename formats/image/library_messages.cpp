@@ -23,7 +23,7 @@ std::string without_end_of_line(std::string text) {
 
 std::atomic<bool> g_complained = false;
 
-// The first error is for the user: a decoder that met one gives its images all the same, damaged.
+// Logs the first error as a warning for the user: after an error the decoder goes on, but its images may be damaged.
 void log_of_ffmpeg(void* context, int level, const char* format, va_list arguments) {
   if (level > AV_LOG_WARNING) return;
   const bool is_first = level <= AV_LOG_ERROR && !g_complained.exchange(true);
@@ -51,7 +51,7 @@ void log_what_ffmpeg_says() { av_log_set_callback(log_of_ffmpeg); }
 
 DecoderMessages::DecoderMessages() : stderr_(stderr), cerr_(std::cerr.rdbuf(text_.rdbuf())) {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  stderr = nowhere();  // glibc's is a variable; the log keeps the one of its start
+  stderr = nowhere();  // a variable in glibc; our log keeps the stream that it began with
 }
 
 DecoderMessages::~DecoderMessages() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Libraries that decode print what they find wrong where the user sees it. What is wrong with a file is said by us;
-// what they say is in the log with --verbose, and FFmpeg's first error as a warning.
+// Keeps messages of decoding libraries from the user's terminal: Rumi itself reports what is wrong with a file. The
+// messages go to the log with --verbose, and FFmpeg's first error as a warning.
 #pragma once
 
 #include <cstdio>
@@ -9,11 +9,11 @@
 
 namespace rumi {
 
-// FFmpeg's messages from now on.
+// From now on, sends FFmpeg's messages to our log.
 void log_what_ffmpeg_says();
 
-// While it lives: those of libpng (to stderr) and OpenCV (to std::cerr). Our own log goes on, whichever thread writes
-// it.
+// While an object lives, messages of libpng (to stderr) and OpenCV (to std::cerr) are held back. Our own log goes on,
+// whichever thread writes it.
 class DecoderMessages {
  public:
   DecoderMessages();

@@ -13,7 +13,7 @@ namespace {
 struct Page {
   uint32_t width = 0, height = 0;
   bool is_smaller_copy = false;
-  int64_t next = 0;  // where the next one is described; 0: there is none
+  int64_t next = 0;  // position of the next page's description; 0: this is the last page
 };
 
 class TiffReader {
@@ -26,7 +26,7 @@ class TiffReader {
   }
   int64_t first() const { return first_; }
 
-  // Nothing if it is cut off.
+  // Returns nullopt if the page's description is cut off.
   std::optional<Page> read(int64_t at) {
     constexpr uint32_t kKindTag = 254, kWidthTag = 256, kHeightTag = 257, kShort = 3;
     constexpr int64_t kEntryBytes = 12;
@@ -64,7 +64,7 @@ class TiffReader {
 }  // namespace
 
 std::vector<int> pages_of_tiff(const std::filesystem::path& file) {
-  constexpr int kMostPages = 100'000;  // their descriptions may form a ring
+  constexpr int kMostPages = 100'000;  // a limit is needed, because descriptions may form a ring
   TiffReader reader(file);
   std::vector<int> pages;
   std::optional<Page> first;

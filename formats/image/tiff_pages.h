@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Microscopes and machine vision store a recording as the pages of one TIFF file.
+// Finds the pages of a TIFF file: microscopes and machine vision store a recording as the pages of one file.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace rumi {
 
-// The pages of a TIFF file that have the size of its first one, by their numbers in the file: smaller copies are none.
-// Empty for what is no TIFF file, or a broken one.
+// Returns the numbers, from 0, of the pages that have the size of the first one: smaller copies do not count. Empty if
+// the file is no TIFF file, or broken.
 std::vector<int> pages_of_tiff(const std::filesystem::path& file);
 
 }  // namespace rumi

@@ -21,9 +21,7 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(path, ignored);
 }
 
-bool has_images(const fs::path& folder) { return is_folder(folder) && !list_image_folder(folder, {}).entries.empty(); }
-
-// Colour beside depth, and no list of the one or the other: ICL-NUIM's for TUM's programs.
+// True for a folder of colour images beside depth, without lists, as ICL-NUIM offers for TUM's programs.
 bool is_colour_beside_depth(const fs::path& folder) {
   return is_folder(folder / "depth") && has_images(folder / "rgb");
 }
@@ -32,7 +30,8 @@ bool is_dataset(const fs::path& folder) {
   return may_be_there(folder / "rgb.txt") || !find_euroc_list(folder).empty() || is_colour_beside_depth(folder);
 }
 
-// The one folder in it; empty if there are more. macOS puts another one into its archives.
+// Returns the only folder inside; empty if there is none, or several. The one that macOS adds to archives does not
+// count.
 fs::path only_folder_in(const fs::path& folder) {
   std::vector<fs::path> folders;
   std::error_code code;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The folders of datasets, as their downloads make them.
+// Finds the recording in a folder as the download of a dataset makes it.
 #pragma once
 
 #include <filesystem>
@@ -7,20 +7,20 @@
 
 namespace rumi {
 
-// Where a recording is, if a folder above it was given.
+// The folder of a recording, found in a folder above it.
 struct DatasetFolder {
-  std::filesystem::path folder;  // what was given, if nothing else is known
-  std::string note;              // empty, or what was taken instead
+  std::filesystem::path folder;  // the given folder, if no other one was found
+  std::string note;              // what is played instead of the given folder; empty: nothing else
 };
-// Of an archive that was unpacked into a folder of its own: the dataset in it, if there is one and nothing else to
-// play. Of an RGB-D dataset without a list (ICL-NUIM): its colour images.
+// Finds the folder to play: the dataset inside the folder of an unpacked archive, if that has nothing else to play; the
+// colour images of an RGB-D dataset without a list (ICL-NUIM); else the given folder.
 DatasetFolder find_dataset(const std::filesystem::path& given);
 
-// data.csv of the camera of a folder as EuRoC's, however much of its path is given; empty if it is none.
+// Finds data.csv of the camera in a folder like EuRoC's, however much of its path is given; empty if it is not there.
 std::filesystem::path find_euroc_list(const std::filesystem::path& folder);
 
-// "; it seems to be of TUM's freiburg1: try --camera config/cameras/tum_fr1.yaml (of Rumi)", by the names of a
-// dataset's download; empty if it is none that is known.
+// Recognizes a dataset by the name of its download. Returns "; by its name it is of TUM's freiburg1: give --camera
+// config/cameras/tum_fr1.yaml (of Rumi)" or the like; empty if it is not known.
 std::string advice_on_known_camera(const std::filesystem::path& recording, const std::string& channel);
 
 }  // namespace rumi

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What tells of which kind a file is.
+// Helps to find out the kind of a file.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@
 
 namespace rumi {
 
-// Its first bytes, at most so many; empty if it cannot be read.
+// Returns the first bytes of the file, at most `bytes`; empty if it cannot be read.
 std::string beginning_of(const std::filesystem::path& file, size_t bytes);
-// ".jpg", also of "A.JPG".
+// Returns the extension in lower case: ".jpg" for "A.JPG".
 std::string lower_extension(const std::filesystem::path& file);
 
 }  // namespace rumi

@@ -47,7 +47,8 @@ std::string content_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// "a.jpg" for "a (1).jpg", "a copy.jpg" or "a - Copy.jpg", as file managers name a second copy. Empty for other names.
+// Returns "a.jpg" for "a (1).jpg", "a copy.jpg" or "a - Copy.jpg", as file managers name a second copy; empty for other
+// names.
 std::string original_name(const fs::path& name) {
   const std::string stem = name.stem().string();
   for (const char* mark : {" (", " - ", " copy", "_copy"})
@@ -76,7 +77,7 @@ std::vector<ListLine> without_copies(FileList* list, std::vector<ListLine> lines
   return lines;
 }
 
-// HEIC, raw ones and the like among others; not those that lie beside a copy that is read (a.cr2, a.jpg).
+// Counts HEIC, raw and similar pictures, except those that lie beside a copy that is read (a.cr2, a.jpg).
 void count_pictures_not_read(FileList* list, const std::vector<ListLine>& lines) {
   std::set<std::string> read;
   for (const ListLine& line : lines) read.insert(fs::path(line.name).stem().string());
@@ -98,17 +99,18 @@ std::vector<ListLine> without_masks(std::vector<ListLine> lines) {
   return lines;
 }
 
-// Keeps the lines of one camera, or all if the names do not tell cameras apart.
-std::vector<ListLine> choose(FileList* list, const std::vector<ListLine>& lines, const std::string& pattern) {
-  const ImageChoice choice = choose_images(all(lines, &ListLine::name), pattern);
-  if (!choice.error.empty()) list->error = fmt::format("{}: {}", list->source.string(), choice.error);
-  if (!choice.note.empty()) list->notes.push_back(choice.note);
+// Returns the lines of one camera, or all if the names do not tell cameras apart. An Error if no name fits `pattern`.
+Result<std::vector<ListLine>> choose(FileList* list, const std::vector<ListLine>& lines, const std::string& pattern) {
+  const Result<ImageChoice> choice = choose_images(all(lines, &ListLine::name), pattern);
+  if (!choice) return Error{choice.error_text(), list->source.string()};
+  if (!choice->note.empty()) list->notes.push_back(choice->note);
   std::vector<ListLine> chosen;
-  for (const size_t i : choice.kept) chosen.push_back(lines[i]);
+  for (const size_t i : choice->kept) chosen.push_back(lines[i]);
   return chosen;
 }
 
-// The names are of one length, see are_hexadecimal().
+// Sorts the lines by the hexadecimal numbers in their names, and notes that. Precondition: the names have the same
+// length (are_hexadecimal()).
 void sort_by_hexadecimal(FileList* list, std::vector<ListLine>* lines) {
   const auto lower = [](std::string name) {
     std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -127,23 +129,25 @@ void sort_by_time(std::vector<ListLine>* lines) {
   });
 }
 
-// Negative times, if they are more than the few that are wrong times.
-void refuse_negative_times(FileList* list, const std::vector<std::string>& times, TimeUnit usual) {
+// An Error if more times are negative than the few that may be wrong.
+Result<> check_for_negative_times(const FileList& list, const std::vector<std::string>& times, TimeUnit usual) {
   std::vector<int64_t> utimes_us;
   for (const std::string& time : times) {
     const bool has_sign = time.starts_with('-');
     utimes_us.push_back(has_sign ? -parse_time_us(time.substr(1), usual).value_or(0) : 0);
   }
   const std::string why = why_negative(utimes_us);
-  if (!why.empty() && list->error.empty())
-    list->error = fmt::format("{}: {}; give --rate HZ to make new times", list->source.string(), why);
+  if (!why.empty()) return Error{why, list.source.string(), "give --rate HZ to make new times"};
+  return {};
 }
 
-// Turns the lines into entries with times.
-void understand(FileList* list, const std::vector<ListLine>& lines, const fs::path& folder, TimeUnit usual,
-                bool needs_times) {
+// Turns the lines into entries with times. Lines without a time are malformed if times are needed. An Error if too many
+// times are negative.
+Result<> understand(FileList* list, const std::vector<ListLine>& lines, const fs::path& folder, TimeUnit usual,
+                    bool needs_times) {
   std::vector<std::string> times = all(lines, &ListLine::time);
-  if (needs_times) refuse_negative_times(list, times, usual);
+  if (needs_times)
+    if (const Result<> checked = check_for_negative_times(*list, times, usual); !checked) return checked;
   bool is_counter = false;
   for (const auto& mend : {give_decimals_their_zeros, continue_32_bits}) {
     std::string note = mend(&times);
@@ -167,6 +171,7 @@ void understand(FileList* list, const std::vector<ListLine>& lines, const fs::pa
                                       : fmt::format("time is '{}': must be a number of {} that is not negative",
                                                     printable(line.time), name_of(chosen.unit)));
   }
+  return {};
 }
 
 bool take_times_beside(FileList* list, std::vector<ListLine>* lines, const fs::path& folder) {
@@ -176,20 +181,22 @@ bool take_times_beside(FileList* list, std::vector<ListLine>* lines, const fs::p
   return !beside.times.empty();
 }
 
-FileList read_list(const fs::path& file, const fs::path& folder, const ListOptions& options, TimeUnit usual,
-                   const std::string& expected, const LineParser& parse) {
+Result<FileList> read_list(const fs::path& file, const fs::path& folder, const ListOptions& options, TimeUnit usual,
+                           const std::string& expected, const LineParser& parse) {
   FileList list;
   list.source = file;
-  std::vector<ListLine> lines = without_repeats(&list, read_lines(&list, parse));
+  Result<std::vector<ListLine>> read = read_lines(&list, parse);
+  if (!read) return read.error();
+  const std::vector<ListLine> lines = without_repeats(&list, std::move(*read));
   tell_of_lines(&list, lines);
-  lines = choose(&list, lines, options.files);
-  understand(&list, lines, folder, usual, options.needs_times);
-  if (list.entries.empty() && list.error.empty()) {
-    list.error = list.malformed.count > 0
-                     ? fmt::format("{}; expected lines '{}'", list.malformed.first, expected)
-                     : fmt::format("{}: names no image; expected lines '{}'", file.string(), expected);
-  }
-  return list;
+  const Result<std::vector<ListLine>> chosen = choose(&list, lines, options.files);
+  if (!chosen) return chosen.error();
+  if (const Result<> understood = understand(&list, *chosen, folder, usual, options.needs_times); !understood)
+    return understood.error();
+  if (!list.entries.empty()) return list;
+  const std::string remedy = fmt::format("expected lines '{}'", expected);
+  if (list.malformed.count > 0) return Error{list.malformed.first, "", remedy};
+  return Error{"names no image", file.string(), remedy};
 }
 
 bool is_tiff_name(const std::string& name) {
@@ -197,7 +204,8 @@ bool is_tiff_name(const std::string& name) {
   return extension == ".tif" || extension == ".tiff";
 }
 
-// Of several files each may have several pages, as of colour and depth: the first one is played.
+// Notes the pages that are not played: each of several files may have several pages, such as colour and depth, and only
+// its first page is played.
 void count_pages_not_read(FileList* list, const std::vector<ListLine>& lines, const fs::path& folder) {
   int64_t files = 0, pages = 0;
   for (const ListLine& line : lines) {
@@ -216,84 +224,117 @@ void count_pages_not_read(FileList* list, const std::vector<ListLine>& lines, co
 
 }  // namespace
 
-FileList list_pages(const fs::path& tiff) {
+Result<FileList> list_pages(const fs::path& tiff) {
   FileList list;
   list.source = tiff;
   for (const int page : pages_of_tiff(tiff)) list.entries.push_back({0, tiff, 0, page});
   list.why_no_times = "the pages of a TIFF file have no times";
-  if (list.entries.empty()) list.error = tiff.string() + ": is no TIFF file, or broken";
+  if (list.entries.empty()) return Error{"is no TIFF file, or broken", tiff.string()};
   return list;
 }
 
-FileList read_tum_list(const fs::path& rgb_txt, const ListOptions& options) {
-  const auto parse = [&options](const std::string& text, ListLine* line) -> std::string {
+Result<FileList> read_tum_list(const fs::path& rgb_txt, const ListOptions& options) {
+  const auto parse = [&options](const std::string& text, ListLine* line) -> Result<> {
     const bool is_path = text.find_first_of(kSeparators) == std::string::npos && !options.needs_times;
     if (is_path)
       line->name = text;
     else
       split_line(text, line);
-    return line->name.empty() ? no_name_after(line->time) : "";
+    if (line->name.empty()) return no_name_after(line->time);
+    return {};
   };
   return read_list(rgb_txt, rgb_txt.parent_path(), options, TimeUnit::kSeconds, "seconds path/of/image.png", parse);
 }
 
-FileList read_euroc_list(const fs::path& data_csv, const ListOptions& options) {
-  const auto parse = [](const std::string& text, ListLine* line) -> std::string {
+Result<FileList> read_euroc_list(const fs::path& data_csv, const ListOptions& options) {
+  const auto parse = [](const std::string& text, ListLine* line) -> Result<> {
     split_line(text, line);
-    return line->name.empty() ? no_name_after(line->time) : "";
+    if (line->name.empty()) return no_name_after(line->time);
+    return {};
   };
   const fs::path folder = data_csv.parent_path() / "data";
   return read_list(data_csv, folder, options, TimeUnit::kNanoseconds, "nanoseconds,name.png", parse);
 }
 
-FileList list_image_folder(const fs::path& folder, const ListOptions& options) {
-  FileList list;
-  list.source = folder;
+namespace {
+
+// Lists the images of the folder that are to be played, in their order. An Error if the folder cannot be read, or no
+// image fits the pattern.
+Result<std::vector<ListLine>> images_in(const fs::path& folder, const ListOptions& options, FileList* list) {
   std::vector<ListLine> lines;
   std::error_code code;
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code))
     if (is_image_name(it->path())) lines.push_back({"", it->path().filename().string(), 0});
-  if (code) list.error = fmt::format("{}: cannot be read: {}", folder.string(), code.message());
-  lines = without_masks(without_copies(&list, lines, folder));
-  if (options.files.empty()) count_pictures_not_read(&list, lines);
+  if (code) return Error{"cannot be read: " + code.message(), folder.string()};
+  lines = without_masks(without_copies(list, lines, folder));
+  if (options.files.empty()) count_pictures_not_read(list, lines);
   std::sort(lines.begin(), lines.end(),
             [](const ListLine& a, const ListLine& b) { return natural_less(a.name, b.name); });
-  if (options.files.empty() && are_hexadecimal(all(lines, &ListLine::name)))
-    sort_by_hexadecimal(&list, &lines);  // each letter would be a kind of its own
-  else
-    lines = choose(&list, lines, options.files);
-  if (!list.error.empty() || lines.empty()) return list;
-  if (lines.size() == 1 && is_tiff_name(lines[0].name) && pages_of_tiff(folder / lines[0].name).size() > 1) {
-    FileList pages = list_pages(folder / lines[0].name);
-    pages.source = folder;
-    pages.notes = list.notes;
-    pages.notes.push_back(fmt::format("the {} pages of '{}' are played", pages.entries.size(), lines[0].name));
-    pages.not_read = list.not_read;
-    return pages;
-  }
+  // choose() would take each letter in hexadecimal names for another kind of image.
+  if (!options.files.empty() || !are_hexadecimal(all(lines, &ListLine::name)))
+    return choose(list, lines, options.files);
+  sort_by_hexadecimal(list, &lines);
+  return lines;
+}
+
+// Lists the pages of the only image of a folder, which is a TIFF file.
+Result<FileList> pages_in(const fs::path& folder, const std::string& name, const FileList& list) {
+  Result<FileList> pages = list_pages(folder / name);
+  if (!pages) return pages;
+  pages->source = folder;
+  pages->notes = list.notes;
+  pages->notes.push_back(fmt::format("the {} pages of '{}' are played", pages->entries.size(), name));
+  pages->not_read = list.not_read;
+  return pages;
+}
+
+bool most_have_times(const FileNameTimes& found) {
+  constexpr double kMostHaveTimes = 0.9;
+  const auto without = static_cast<double>(std::count(found.times.begin(), found.times.end(), ""));
+  return without <= (1 - kMostHaveTimes) * static_cast<double>(found.times.size());
+}
+
+}  // namespace
+
+Result<FileList> list_image_folder(const fs::path& folder, const ListOptions& options) {
+  FileList list;
+  list.source = folder;
+  Result<std::vector<ListLine>> images = images_in(folder, options, &list);
+  if (!images) return images.error();
+  std::vector<ListLine>& lines = *images;
+  if (lines.empty()) return list;
+  if (lines.size() == 1 && is_tiff_name(lines[0].name) && pages_of_tiff(folder / lines[0].name).size() > 1)
+    return pages_in(folder, lines[0].name, list);
   count_pages_not_read(&list, lines, folder);
 
-  constexpr double kMostHaveTimes = 0.9;
   const std::vector<std::string> names = all(lines, &ListLine::name);
   const FileNameTimes found = times_in_names(names);
-  const auto without = static_cast<double>(std::count(found.times.begin(), found.times.end(), ""));
-  if (without <= (1 - kMostHaveTimes) * static_cast<double>(names.size())) {
+  if (most_have_times(found)) {
     for (size_t i = 0; i < lines.size(); ++i) lines[i].time = found.times[i];
     if (!found.note.empty()) list.notes.push_back(found.note);
     if (found.have_another_order) sort_by_time(&lines);
-    understand(&list, lines, folder, found.usual, options.needs_times);
+    const Result<> understood = understand(&list, lines, folder, found.usual, options.needs_times);
+    if (!understood) return understood.error();
     if (found.count_within_second)
       list.why_no_times = fmt::format("the names of the images count those of each second ('{}')", names.front());
     if (std::string unused = unused_times_beside(folder); !unused.empty()) list.notes.push_back(std::move(unused));
     return list;
   }
   if (options.needs_times && take_times_beside(&list, &lines, folder)) {
-    understand(&list, lines, folder, TimeUnit::kSeconds, /*needs_times=*/true);
+    const Result<> understood = understand(&list, lines, folder, TimeUnit::kSeconds, /*needs_times=*/true);
+    if (!understood) return understood.error();
     return list;
   }
   for (const ListLine& line : lines) list.entries.push_back({0, folder / line.name, 0});
   list.why_no_times = fmt::format("the names of the images give no times ('{}')", names.front());
   return list;
+}
+
+bool has_images(const fs::path& folder) {
+  std::error_code code;
+  if (!fs::is_directory(folder, code)) return false;
+  const Result<FileList> list = list_image_folder(folder, {.files = "", .needs_times = false});
+  return list && !list->entries.empty();
 }
 
 }  // namespace rumi

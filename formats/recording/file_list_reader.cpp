@@ -30,15 +30,13 @@ class FileListReader : public FrameReader {
     std::error_code code;
     return fs::is_directory(list_.source, code) ? list_.source : list_.source.parent_path();
   }
-  std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
+  Result<image_t> load(size_t frame, bool colour) override {
     const auto& [time_us, file, line, page] = list_.entries[frame];
     const auto range_of_all = [this] { return range(); };
-    std::optional<image_t> image = page == FileList::kWholeFile
-                                       ? load_image_file(file, colour, range_of_all, error)
-                                       : load_tiff_page(file, page, colour, range_of_all, error);
-    if (!image) *error = (page == FileList::kWholeFile ? file.string() : where(frame)) + ": " + *error;
-    if (image && image->pixelformat == image_t::PIXEL_FORMAT_MJPEG)
-      tell_orientation(file, exif_orientation(image->data));
+    Result<image_t> image = page == FileList::kWholeFile ? load_image_file(file, colour, range_of_all)
+                                                         : load_tiff_page(file, page, colour, range_of_all);
+    if (!image) return Error{image.error_text(), page == FileList::kWholeFile ? file.string() : where(frame)};
+    if (image->pixelformat == image_t::PIXEL_FORMAT_MJPEG) tell_orientation(file, exif_orientation(image->data));
     return image;
   }
   Malformed malformed() const override { return list_.malformed; }
@@ -68,7 +66,7 @@ class FileListReader : public FrameReader {
     return histogram.range();
   }
 
-  // Images are tracked as they are stored.
+  // Warns of images that should be turned to be shown: they are tracked as they are stored.
   void tell_orientation(const fs::path& file, int orientation) {
     if (orientation != orientation_ && orientation_ != 0 && !is_turn_told_) {
       log_warning(
@@ -86,7 +84,7 @@ class FileListReader : public FrameReader {
   }
 
   FileList list_;
-  int orientation_ = 0;  // of the last JPEG; 0: there was none
+  int orientation_ = 0;  // orientation of the last JPEG; 0: there was none
   bool is_turn_told_ = false;
   std::vector<int64_t> utimes_;
   std::optional<GreyRange> range_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What files are in a folder.
+// Looks at the files in a folder.
 #pragma once
 
 #include <filesystem>
@@ -8,15 +8,15 @@
 
 namespace rumi {
 
-// By its ending; hidden files are none.
+// True if the name's ending is that of an image; hidden files are no images.
 bool is_image_name(const std::filesystem::path& file);
-// Names of those files of a folder that are pictures, by their endings, but of a kind that is not read.
+// Returns the names of files in a folder that are pictures, by their endings, but of a kind that is not read.
 std::vector<std::string> pictures_not_read(const std::filesystem::path& folder);
-// "12 .gif, 3 without an ending": the files of a folder that are not taken for images; empty if there are none.
+// Counts the files of a folder that are not taken for images: "12 .gif, 3 without an ending"; empty if there are none.
 std::string other_files(const std::filesystem::path& folder);
-// The videos, lcm logs (walk.lcm.00, too) and bags in a folder, in the order of their numbers.
+// Returns the videos, lcm logs (walk.lcm.00, too) and bags in a folder, in the order of their numbers.
 std::vector<std::filesystem::path> recording_files(const std::filesystem::path& folder);
-// "a.mp4, b.lcm": names of the videos and lcm logs in a folder; empty if there are none.
+// Returns the first names of recording_files(): "a.mp4, b.lcm"; empty if there are none.
 std::string recordings_in(const std::filesystem::path& folder);
 
 }  // namespace rumi

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Archives, and files that only stand for others.
+// Recognizes archives, and files that only stand for others. Returns what to do, or an empty string.
 std::string advice_on_container(const fs::path& file, const std::string& beginning) {
   using namespace std::string_literals;
   if (beginning.starts_with("version https://git-lfs"))
@@ -41,7 +41,8 @@ std::string advice_on_container(const fs::path& file, const std::string& beginni
   return {};
 }
 
-// By the beginnings of the files, whatever their names are.
+// Recognizes recordings of other systems by their extensions, and archives by their beginnings. Returns what to do, or
+// an empty string.
 std::string advice_on_file(const fs::path& file) {
   using namespace std::string_literals;
   const std::string beginning = beginning_of(file, 32), extension = lower_extension(file);
@@ -69,7 +70,7 @@ uint64_t big_endian(const std::string& bytes, size_t at, size_t count) {
   return value;
 }
 
-// Of the boxes that an MP4 or MOV file consists of. False also if it is no such file.
+// True if the file is an MP4 or MOV file without its index, the box `moov`.
 bool lacks_index(const fs::path& file) {
   constexpr size_t kHeadBytes = 16, kLeastBytes = 8;
   constexpr int kMostBoxes = 100'000;
@@ -87,7 +88,7 @@ bool lacks_index(const fs::path& file) {
     const uint64_t size = big_endian(head, 0, 4);
     const uint64_t length = size == 1 ? big_endian(head, 8, 8) : size;
     constexpr uint64_t kMostBytes = uint64_t{1} << 60;
-    if (length < kLeastBytes || length > kMostBytes) return true;  // up to the end of the file, or of none
+    if (length < kLeastBytes || length > kMostBytes) return true;  // length 0: the last box; others are impossible
     at += length;
     in.clear();
   }

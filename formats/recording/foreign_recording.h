@@ -6,15 +6,15 @@
 
 namespace rumi {
 
-// What to do with a file of another system that is not read (of a ZED camera, an archive, ...), after its name; empty:
-// it is none of these.
+// Tells what to do with a file that is not read (a recording of a ZED camera, an archive, ...); to be put behind its
+// name. Empty: it is no such file.
 std::string advice_on_foreign_recording(const std::filesystem::path& path);
 
-// What to do where the input is no name of a file or folder, but an address (rtsp://...), a pipe ("-") or a pattern
-// (%05d.jpg, *.jpg); empty: it may be a name.
+// Tells what to do if the input is an address (rtsp://...), a pipe ("-") or a pattern (%05d.jpg, *.jpg) and not the
+// name of a file or folder. Empty: it may be a name.
 std::string advice_on_input(const std::string& input);
 
-// After the name of a file that is no video that can be decoded: why not; empty: not known.
+// Says why a file is no video that can be decoded; to be put behind its name. Empty: not known.
 std::string why_no_video(const std::filesystem::path& file);
 
 }  // namespace rumi

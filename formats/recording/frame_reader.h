@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording as it is stored: no selection, no new times, no checks.
+// Reads a recording as it is stored: no selection, no new times, no checks.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "formats/image/grey_range.h"
 #include "lcmtypes/rumi/image_t.hpp"
 
@@ -24,50 +25,50 @@ class FrameReader {
  public:
   virtual ~FrameReader() = default;
 
-  // The time of each frame, as recorded, in the order in which they are stored. All 0 where there are none.
+  // Returns the recorded time of each frame, in stored order. All are 0 if the frames have no times.
   virtual const std::vector<int64_t>& utimes() const = 0;
-  // Empty, or why the frames have no times.
+  // Says why the frames have no times; empty if they have.
   virtual std::string why_no_times() const { return {}; }
-  // Empty, or why the calibration that it has beside its images is none.
+  // Says why the calibration beside the images cannot be used; empty if it can, or if there is none.
   virtual std::string why_no_calibration() const { return {}; }
-  // For messages: "…/rgb.txt:12".
+  // Returns the frame's place, for messages: "…/rgb.txt:12".
   virtual std::string where(size_t frame) const = 0;
-  // The image's own file, and the folder that names of its images are relative to; empty where frames have no files.
+  // Return the image's own file, and the folder to which the names of images are relative; empty if frames have no
+  // files.
   virtual std::filesystem::path file(size_t /*frame*/) const { return {}; }
   virtual std::filesystem::path folder() const { return {}; }
-  // JPEG as stored, other files decoded: RGB if they have colour and `colour` is wanted, else grey. Quickest in rising
-  // order. Nothing, and why in *error, if it cannot be read.
-  virtual std::optional<image_t> load(size_t frame, bool colour, std::string* error) = 0;
-  // False where a frame can be had only by decoding those before it.
+  // Loads a JPEG as it is stored, and decodes other images: to RGB if they have colour and `colour` is true, else to
+  // grey. Loading is quickest in rising order. Errors say where() and why the image cannot be read.
+  virtual Result<image_t> load(size_t frame, bool colour) = 0;
+  // False if a frame can be loaded only by decoding those before it.
   virtual bool loads_any_frame_alone() const { return true; }
-  // Entries that are no frames: broken lines, broken messages.
+  // Counts the entries that are no frames: broken lines, broken messages.
   virtual Malformed malformed() const { return {}; }
-  // Images of other cameras among those of the one that is played: no frames.
+  // Returns the number of images of other cameras, which are left out.
   virtual int64_t of_other_cameras() const { return 0; }
-  // Images that the recording should have, by its own header or list, mostly at the end.
+  // Returns the number of images that the recording's own header or list promises and that are missing, mostly at the
+  // end.
   virtual int64_t missing_at_end() const { return 0; }
-  // When the last image was recorded, by the recorder's clock; nothing if it is not known.
+  // Returns when the last image was recorded, by the recorder's clock; nullopt if it is not known.
   virtual std::optional<int64_t> last_recorded_us() const { return std::nullopt; }
-  // What the user should know of how the recording is read, a line each.
+  // Returns lines that tell the user how the recording is read.
   virtual std::vector<std::string> notes() const { return {}; }
 };
 
-// A recording that was opened, or what is wrong with it.
-struct OpenedReader {
-  std::unique_ptr<FrameReader> reader;
-  std::string error;  // empty, or file, what is wrong, and what to do
-};
+// Errors name the file, what is wrong, and what to do.
+using OpenedReader = Result<std::unique_ptr<FrameReader>>;
 
-// Times are those of the container, in the order of showing. `grey_range`: of pixels of 16 bits; without it that of the
-// recording is measured when the first one is met. `wanted`: sizes of images, of which one is preferred where the file
-// has several streams.
+// Opens a video. Its times are those of the container, in the order of showing. `grey_range`: for pixels of 16 bits; if
+// it is not given, the reader measures the range of the recording when it meets the first such image. If there are
+// several streams, one whose images have a `wanted` size is preferred.
 OpenedReader open_video(const std::filesystem::path& file, std::optional<GreyRange> grey_range,
                         const std::vector<cv::Size>& wanted);
-// image_t messages on one channel.
+// Plays the image_t messages on one channel.
 OpenedReader open_log(const std::filesystem::path& file, const std::string& channel);
-// The same of a log in parts.
+// Plays a log in several files.
 OpenedReader open_log_parts(const std::vector<std::filesystem::path>& files, const std::string& channel);
-// The images of a topic of a ROS bag, a file or a folder; with the default of log_channel of the one that has some.
+// Plays the images on a topic of a ROS bag (a file or a folder). With the default of log_channel it plays the only
+// topic with images.
 OpenedReader open_bag(const std::filesystem::path& path, const std::string& channel,
                       std::optional<GreyRange> grey_range);
 

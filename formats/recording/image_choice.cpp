@@ -14,7 +14,7 @@ namespace rumi {
 namespace {
 
 constexpr char kNumber = '*';   // stands for digits in the form of a name
-constexpr double kAlike = 0.5;  // of the numbers of the smaller kind: counts alike
+constexpr double kAlike = 0.5;  // share of the smaller kind's numbers; two kinds with more in common count alike
 
 constexpr int kRankOfNoCamera = -2;
 
@@ -26,10 +26,10 @@ using Numbers = std::vector<std::string>;
 struct Name {
   std::string form;    // "left_*.png"
   Numbers numbers;     // "001"
-  std::string camera;  // its number, where the name has one
+  std::string camera;  // number of the camera, if the name has one
 };
 
-// Names of one form.
+// The names of one form.
 struct Kind {
   std::string form;
   std::vector<size_t> images;
@@ -38,7 +38,7 @@ struct Kind {
   std::string camera;
 };
 
-// Words of letters in a name, without its ending.
+// Returns the words in a name, in lower case, without its ending.
 std::vector<std::string> words_of(const std::string& form) {
   std::vector<std::string> words(1);
   for (const char c : form.substr(0, form.rfind('.'))) {
@@ -50,7 +50,8 @@ std::vector<std::string> words_of(const std::string& form) {
   return words;
 }
 
-// How much the images are those of a camera that is to be tracked, by their name.
+// Ranks how likely images are those of the camera that is to be tracked, by the words in their names: 1 for a first
+// camera, -1 for a second one, kRankOfNoCamera for depth and the like, else 0.
 int rank_of(const std::string& form) {
   static constexpr std::array kNoCamera = {"depth",      "disp",   "disparity", "mask",     "masks", "seg",
                                            "semantic",   "labels", "label",     "normal",   "flow",  "conf",
@@ -69,8 +70,8 @@ int rank_of(const std::string& form) {
   return rank;
 }
 
-// "cam0_001.png" and "001_cam0.png" are of camera 0: a short number after such a word is part of the form, unless it is
-// the only one.
+// True if the form ends in a word for a camera, so that a short number behind it is the camera's number: "cam0_001.png"
+// and "001_cam0.png" are of camera 0. Such a number belongs to the form, unless it is the only one.
 bool names_a_camera(const std::string& form) {
   const size_t end = form.ends_with('_') || form.ends_with('-') ? form.size() - 1 : form.size();
   size_t begin = end;
@@ -88,7 +89,7 @@ Name take_apart(const std::string& name) {
     const bool is_only = parts.form.find(kNumber) == std::string::npos &&
                          std::none_of(name.begin() + static_cast<std::ptrdiff_t>(end), name.end(), is_digit);
     if (end == i) {
-      parts.form += name[i] == kNumber ? '?' : name[i];  // as patterns, both fit it
+      parts.form += name[i] == kNumber ? '?' : name[i];  // as a pattern, '?' fits the '*' of the name
       ++i;
       continue;
     }
@@ -117,8 +118,9 @@ std::vector<Kind> kinds_of(const std::vector<Name>& names) {
   return kinds;
 }
 
-// "1_001.png" and "2_001.png", without a word: a number of one digit, of few values, with the same numbers beside each
-// of them. Returns its values with the images of each; nothing if it is not so.
+// Splits names such as "1_001.png" and "2_001.png", which have no word, by a number of one digit. It must have few
+// values, and the same other numbers beside each. Returns the values with the images of each; empty if the names are
+// not like this.
 std::map<std::string, std::vector<size_t>> split_by_a_digit(const Kind& kind, const std::vector<Name>& names,
                                                             size_t place) {
   constexpr size_t kMostCameras = 4, kLeastImages = 10;
@@ -140,7 +142,7 @@ std::map<std::string, std::vector<size_t>> split_by_a_digit(const Kind& kind, co
   return images;
 }
 
-// With the digit in the form of the names.
+// Returns the form of the names that have `value` as the number at `place`.
 std::string form_with(const std::string& form, size_t place, const std::string& value) {
   size_t at = form.find(kNumber);
   for (size_t i = 0; i < place; ++i) at = form.find(kNumber, at + 1);
@@ -163,7 +165,8 @@ std::vector<Kind> split_by_digits(const std::vector<Kind>& kinds, const std::vec
 
 bool has_number(const Kind& kind) { return kind.form.find(kNumber) != std::string::npos; }
 
-// A single image of a form says nothing.
+// True if the two kinds have mostly the same numbers (left_001, right_001). A kind of one image never counts alike: its
+// number tells nothing.
 bool count_alike(const Kind& a, const Kind& b) {
   if (a.images.size() < 2 || b.images.size() < 2 || !has_number(a) || !has_number(b)) return false;
   const Kind& small = a.numbers.size() < b.numbers.size() ? a : b;
@@ -188,7 +191,7 @@ bool goes_with(const Kind& kind, const Kind& main) {
   return (kind.rank < -1) == (main.rank < -1) && !count_alike(kind, main);
 }
 
-ImageChoice choose_by_pattern(const std::vector<std::string>& names, const std::string& pattern) {
+Result<ImageChoice> choose_by_pattern(const std::vector<std::string>& names, const std::string& pattern) {
   ImageChoice choice;
   for (size_t i = 0; i < names.size(); ++i) {
     const std::string last = names[i].substr(names[i].rfind('/') + 1);
@@ -196,7 +199,7 @@ ImageChoice choose_by_pattern(const std::vector<std::string>& names, const std::
       choice.kept.push_back(i);
   }
   if (choice.kept.empty())
-    choice.error = fmt::format("camera_driver.files is '{}', which fits no image; one is '{}'", pattern, names.front());
+    return Error{fmt::format("camera_driver.files is '{}', which fits no image; one is '{}'", pattern, names.front())};
   return choice;
 }
 
@@ -204,8 +207,8 @@ ImageChoice choose_by_pattern(const std::vector<std::string>& names, const std::
 
 bool is_no_camera(const std::string& name) { return rank_of(name) == kRankOfNoCamera; }
 
-ImageChoice choose_images(const std::vector<std::string>& names, const std::string& pattern) {
-  if (names.empty()) return {};
+Result<ImageChoice> choose_images(const std::vector<std::string>& names, const std::string& pattern) {
+  if (names.empty()) return ImageChoice();
   if (!pattern.empty()) return choose_by_pattern(names, pattern);
   std::vector<Name> parts;
   parts.reserve(names.size());

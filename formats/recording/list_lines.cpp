@@ -24,17 +24,17 @@ std::string trimmed(const std::string& text) {
 // True for a time in any unit.
 bool is_number(const std::string& text) { return parse_time_us(text, TimeUnit::kNanoseconds).has_value(); }
 
-// Longer than any path: a file with such a line is no list.
+// Longer than any path: a longer line is malformed.
 constexpr size_t kLongestLine = 10'000;
 
-// True for the first name of a line of column names that is no comment.
+// True if the first field of a line is a word: such a line names the columns, although it is no comment.
 bool is_heading(const std::string& time) {
   return !time.empty() && std::all_of(time.begin(), time.end(), [](unsigned char c) {
     return std::isalpha(c) != 0 || c == '_' || c == '[' || c == ']';
   });
 }
 
-// Removes quotes around the whole text.
+// Returns the text without quotes around all of it.
 std::string without_quotes(const std::string& text) {
   const bool is_quoted =
       text.size() > 1 && (text[0] == '"' || text[0] == '\'') && text.find(text[0], 1) == text.size() - 1;
@@ -50,7 +50,7 @@ std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-// "1305031102,175304 a.png": some tools write decimal commas, as their language setting says.
+// Repairs lines such as "1305031102,175304 a.png": some tools write decimal commas, as their language setting says.
 void join_decimal_comma(ListLine* line, char separator) {
   const size_t digits = line->name.find_first_not_of("0123456789");
   const bool may_be = separator == ',' && digits != std::string::npos && digits > 0 &&
@@ -91,9 +91,9 @@ std::string printable(const std::string& text) {
   return out;
 }
 
-std::string no_name_after(const std::string& time) {
-  if (is_number(time)) return "no file name after the time";
-  return fmt::format("time is '{}': must be a number", printable(time));
+Error no_name_after(const std::string& time) {
+  if (is_number(time)) return {"no file name after the time"};
+  return {fmt::format("time is '{}': must be a number", printable(time))};
 }
 
 void split_line(const std::string& text, ListLine* line) {
@@ -112,13 +112,10 @@ void add_malformed(FileList* list, int line, const std::string& problem) {
     list->malformed.first = fmt::format("{}:{}: {}", list->source.string(), line, problem);
 }
 
-std::vector<ListLine> read_lines(FileList* list, const LineParser& parse) {
+Result<std::vector<ListLine>> read_lines(FileList* list, const LineParser& parse) {
   std::vector<ListLine> lines;
   TextLines stream(list->source);
-  if (!stream.error().empty()) {
-    list->error = fmt::format("{}: {}", list->source.string(), stream.error());
-    return lines;
-  }
+  if (!stream.error().empty()) return Error{stream.error(), list->source.string()};
   std::string text;
   for (int number = 1; stream.next(&text); ++number) {
     const std::string content = trimmed(text);
@@ -126,12 +123,12 @@ std::vector<ListLine> read_lines(FileList* list, const LineParser& parse) {
     ListLine line;
     line.number = number;
     const bool is_too_long = content.size() > kLongestLine;
-    const std::string problem = is_too_long ? "is too long for a line of a list" : parse(content, &line);
+    const Result<> parsed = is_too_long ? Error{"is too long for a line of a list"} : parse(content, &line);
     if (lines.empty() && list->malformed.count == 0 && is_heading(line.time)) continue;
-    if (!problem.empty())
-      add_malformed(list, number, problem);
-    else
+    if (parsed)
       lines.push_back(std::move(line));
+    else
+      add_malformed(list, number, parsed.error_text());
   }
   return lines;
 }

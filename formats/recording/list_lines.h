@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The lines of a list of images: "time name", by any separator.
+// Reads the lines of a list of images: "time name", with any separator.
 #pragma once
 
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "formats/recording/file_list.h"
 
 namespace rumi {
@@ -14,8 +15,8 @@ namespace rumi {
 struct ListLine {
   std::string time, name;
   int number = 0;
-  size_t images = 1;     // that it names
-  bool is_first = true;  // of these
+  size_t images = 1;     // how many images the line names
+  bool is_first = true;  // `name` is the first of these images
   bool has_decimal_comma = false;
 };
 
@@ -25,20 +26,21 @@ inline constexpr const char* kSeparators = " \t,;";
 // Splits "time name" at any separator.
 void split_line(const std::string& text, ListLine* line);
 
-// Takes a line without comment apart; returns what is wrong with it, or an empty string.
-using LineParser = std::function<std::string(const std::string& text, ListLine* line)>;
+// Splits a line that is no comment into its parts. An Error says what is wrong with it.
+using LineParser = std::function<Result<>(const std::string& text, ListLine* line)>;
 
-// What is wrong with a line that gave a time and no name.
-std::string no_name_after(const std::string& time);
+// Returns the Error of a line without a name.
+Error no_name_after(const std::string& time);
 void add_malformed(FileList* list, int line, const std::string& problem);
-// Counts the lines that `parse` refuses as malformed.
-std::vector<ListLine> read_lines(FileList* list, const LineParser& parse);
+// Reads the lines of the list. Those that `parse` refuses are counted as malformed. An Error if the file cannot be
+// read.
+Result<std::vector<ListLine>> read_lines(FileList* list, const LineParser& parse);
 // Removes lines that repeat an earlier one: some recorders write a line twice.
 std::vector<ListLine> without_repeats(FileList* list, std::vector<ListLine> lines);
-// Tells of lines of several images, and of decimal commas, in the notes.
+// Adds notes on lines that name several images, and on decimal commas.
 void tell_of_lines(FileList* list, const std::vector<ListLine>& lines);
 
-// Replaces control characters, so that a binary file cannot upset the terminal.
+// Returns the text, cut short, with '?' for control characters, so that a binary file cannot upset the terminal.
 std::string printable(const std::string& text);
 
 }  // namespace rumi

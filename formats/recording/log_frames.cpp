@@ -20,7 +20,8 @@
 namespace rumi {
 namespace {
 
-// What an image_t message begins with, big endian: fingerprint, time, width, height, stride, format, bytes of its data.
+// Bytes of the head of an image_t message, big endian: fingerprint, time, width, height, stride, format, size of its
+// data.
 constexpr size_t kHashBytes = 8, kTimeBytes = 8, kSizeBytes = 4, kHeadBytes = 36;
 
 int64_t big_endian(std::span<const uint8_t> bytes) {
@@ -33,7 +34,7 @@ bool begins_like_image(std::span<const uint8_t> head) {
   return head.size() == kHeadBytes && big_endian(head.first(kHashBytes)) == image_t::getHash();
 }
 
-// On which channels of the log images are, and what to do; what else it has where there are none.
+// Names the channels of the log that have images, and what to do; without images it names the other channels.
 std::string advice_on_channels_of(const std::string& file) {
   LogReader log(file);
   std::map<std::string, int64_t> with_images, others;
@@ -59,23 +60,16 @@ class LogFrameReader : public FrameReader {
 
   const std::vector<int64_t>& utimes() const override { return utimes_; }
   std::string where(size_t frame) const override { return fmt::format("{}: image {}", file_, numbers_[frame]); }
-  std::optional<image_t> load(size_t frame, bool, std::string* error) override {
+  Result<image_t> load(size_t frame, bool /*colour*/) override {
     log_.seek(positions_[frame]);
     const std::optional<LogEvent> event = log_.next_on(channel_);
     image_t image;
-    if (!event || !Bus::decode(event->data, &image)) {
-      *error = where(frame) + ": is no image_t message, or broken";
-      return std::nullopt;
-    }
-    const std::string problem = check_image(image);
-    if (problem.empty()) {
-      if (const std::string& calibration = calibration_of_[cameras_[frame]];
-          !calibration.empty() && metadata(image, kCalibrationKey).empty())
-        set_metadata(&image, kCalibrationKey, calibration);
-      return image;
-    }
-    *error = fmt::format("{}: {}", where(frame), problem);
-    return std::nullopt;
+    if (!event || !Bus::decode(event->data, &image)) return Error{"is no image_t message, or broken", where(frame)};
+    if (const Result<> checked = check_image(image); !checked) return Error{checked.error_text(), where(frame)};
+    if (const std::string& calibration = calibration_of_[cameras_[frame]];
+        !calibration.empty() && metadata(image, kCalibrationKey).empty())
+      set_metadata(&image, kCalibrationKey, calibration);
+    return image;
   }
   Malformed malformed() const override { return malformed_; }
   std::vector<std::string> notes() const override {
@@ -98,7 +92,7 @@ class LogFrameReader : public FrameReader {
       if (damage_.empty() || !log_.go_on()) break;
       skip_damage(from, log_.position());
     }
-    // As many images as its bytes would have held.
+    // Counts damage as malformed images: as many as the damaged bytes would have held.
     if (malformed_.count == 0 && damaged_places_ > 0) malformed_.first = first_damage_;
     const auto images = static_cast<int64_t>(positions_.size());
     if (damaged_places_ > 0)
@@ -121,23 +115,25 @@ class LogFrameReader : public FrameReader {
     last_recorded_us_ = std::max(last_recorded_us_.value_or(event.utime_us), event.utime_us);
   }
 
-  // By what the last image says of itself: its stream and calibration. Where it says nothing it is the camera before.
+  // Tells cameras apart by the stream and the calibration in the image. An image without them is of the previous
+  // camera.
   size_t camera_of_last(std::span<const uint8_t> head) {
     std::vector<uint8_t> message(head.begin(), head.end());
     const auto size = static_cast<uint32_t>(big_endian(head.last(kSizeBytes)));
-    std::fill(message.end() - kSizeBytes, message.end(), uint8_t{0});  // its pixels do not matter
+    std::fill(message.end() - kSizeBytes, message.end(), uint8_t{0});  // the pixels are left out, so their size is 0
     const std::vector<uint8_t> rest = log_.data_of_last(kHeadBytes + size);
     message.insert(message.end(), rest.begin(), rest.end());
     image_t image;
     if (!rest.empty() && !Bus::decode(message, &image)) image = {};
     if (const int64_t stream = stream_of(image); stream != kNoStream) camera_.first = stream;
-    if (std::string text = metadata(image, kCalibrationKey); !text.empty()) camera_.second = std::move(text);
+    if (const std::string_view text = metadata(image, kCalibrationKey); !text.empty()) camera_.second = text;
     const auto [known, is_new] = known_cameras_.try_emplace(camera_, known_cameras_.size());
     if (is_new) calibration_of_.push_back(camera_.second);
     return known->second;
   }
 
-  // A camera that follows another one is the next recording; in turn they cannot be played as one.
+  // If cameras take turns, keeps only the images of the first one: they cannot be played as one recording. A camera
+  // that follows another one for good is kept.
   void leave_out_other_cameras() {
     constexpr size_t kMostReturns = 1, kLeastInARow = 10;
     size_t turns = 0;
@@ -166,7 +162,7 @@ class LogFrameReader : public FrameReader {
     positions_.resize(kept);
   }
 
-  // They should be microseconds.
+  // Finds the unit of the times, which should be microseconds, and leaves out images without a plausible time.
   void choose_unit() {
     why_no_times_ = why_negative(utimes_);
     if (!why_no_times_.empty()) return std::fill(utimes_.begin(), utimes_.end(), 0);
@@ -189,21 +185,21 @@ class LogFrameReader : public FrameReader {
 
   std::string file_, channel_, unit_note_, counter_note_, cameras_note_, why_no_times_;
   std::optional<int64_t> last_recorded_us_;
-  std::string damage_;        // at the end
-  std::string first_damage_;  // that was passed over
+  std::string damage_;        // the damage in which the log ends; empty if it ends well
+  std::string first_damage_;  // the first damage behind which reading went on
   int64_t damaged_places_ = 0, damaged_bytes_ = 0;
   LogReader log_;
-  int64_t event_ = 0;                                  // on the channel
+  int64_t event_ = 0;                                  // messages on the channel so far
   std::vector<int64_t> utimes_, numbers_, positions_;  // of each frame
   std::vector<size_t> cameras_;                        // of each frame
   std::pair<int64_t, std::string> camera_;             // stream and calibration of the last image
   std::map<std::pair<int64_t, std::string>, size_t> known_cameras_;
-  std::vector<std::string> calibration_of_;  // each camera
+  std::vector<std::string> calibration_of_;  // by camera
   int64_t other_cameras_ = 0;
   Malformed malformed_;
 };
 
-// One log behind the other.
+// Reads one log after the other.
 class LogParts : public FrameReader {
  public:
   void add(std::unique_ptr<FrameReader> part) {
@@ -217,7 +213,7 @@ class LogParts : public FrameReader {
     other_cameras_ += part->of_other_cameras();
     parts_.push_back(std::move(part));
   }
-  // What several parts say is said once.
+  // Adds a note; one that several parts have is kept once.
   void add_note(const std::string& note) {
     if (std::find(notes_.begin(), notes_.end(), note) == notes_.end()) notes_.push_back(note);
   }
@@ -228,9 +224,9 @@ class LogParts : public FrameReader {
     const size_t part = part_of(frame);
     return parts_[part]->where(frame - begins_[part]);
   }
-  std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
+  Result<image_t> load(size_t frame, bool colour) override {
     const size_t part = part_of(frame);
-    return parts_[part]->load(frame - begins_[part], colour, error);
+    return parts_[part]->load(frame - begins_[part], colour);
   }
   Malformed malformed() const override { return malformed_; }
   int64_t of_other_cameras() const override { return other_cameras_; }
@@ -242,7 +238,7 @@ class LogParts : public FrameReader {
   }
 
   std::vector<std::unique_ptr<FrameReader>> parts_;
-  std::vector<size_t> begins_;  // of each, its first frame
+  std::vector<size_t> begins_;  // first frame of each part
   std::vector<int64_t> utimes_;
   std::string why_no_times_;
   Malformed malformed_;
@@ -250,7 +246,8 @@ class LogParts : public FrameReader {
   std::vector<std::string> notes_;
 };
 
-// That is the order of their numbers, but for `lcm-logger --rotate`, which gives the newest file the number 0.
+// Sorts logs by the time of their first message. The numbers in the names give the same order, except after `lcm-logger
+// --rotate`, where the newest file has 0.
 std::vector<std::filesystem::path> sorted_by_time(std::vector<std::filesystem::path> files) {
   std::stable_sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
     return first_recorded_in_log(a).value_or(0) < first_recorded_in_log(b).value_or(0);
@@ -262,37 +259,34 @@ std::vector<std::filesystem::path> sorted_by_time(std::vector<std::filesystem::p
 
 OpenedReader open_log(const std::filesystem::path& file, const std::string& channel) {
   auto reader = std::make_unique<LogFrameReader>(file.string(), channel);
-  if (reader->utimes().empty() && !reader->damage().empty())
-    return {nullptr, fmt::format("{}: {}", file.string(), reader->damage())};
-  if (reader->utimes().empty())
-    return {nullptr, fmt::format("{}: no image on channel '{}'{}; {}", file.string(), channel,
-                                 reader->malformed().count > 0
-                                     ? fmt::format(", but {} other or broken messages", reader->malformed().count)
-                                     : "",
-                                 advice_on_channels_of(file.string()))};
-  return {std::move(reader), ""};
+  if (reader->utimes().empty() && !reader->damage().empty()) return Error{reader->damage(), file.string()};
+  if (!reader->utimes().empty()) return OpenedReader(std::move(reader));
+  const std::string others =
+      reader->malformed().count > 0 ? fmt::format(", but {} other or broken messages", reader->malformed().count) : "";
+  return Error{fmt::format("no image on channel '{}'{}", channel, others), file.string(),
+               advice_on_channels_of(file.string())};
 }
 
 OpenedReader open_log_parts(const std::vector<std::filesystem::path>& files, const std::string& channel) {
   auto parts = std::make_unique<LogParts>();
   std::vector<PartTimes> times;
-  std::string first_error;
+  std::optional<Error> first_error;
   for (const std::filesystem::path& file : sorted_by_time(files)) {
     OpenedReader part = open_log(file, channel);
-    if (part.reader) {
-      times.push_back({file.filename().string(), first_recorded_in_log(file).value_or(0),
-                       part.reader->last_recorded_us().value_or(0)});
-      parts->add(std::move(part.reader));
+    if (part) {
+      times.push_back(
+          {file.filename().string(), first_recorded_in_log(file).value_or(0), (*part)->last_recorded_us().value_or(0)});
+      parts->add(std::move(*part));
       continue;
     }
-    if (first_error.empty()) first_error = part.error;
-    parts->add_note(part.error);
+    if (!first_error) first_error = part.error();
+    parts->add_note(part.error_text());
   }
-  if (times.empty()) return {nullptr, first_error};
+  if (times.empty()) return *first_error;
   if (const std::string why = why_not_one_recording(times); !why.empty())
-    return {nullptr, fmt::format("{}: {}", files.front().parent_path().string(), why)};
+    return Error{why, files.front().parent_path().string()};
   parts->add_note(fmt::format("its {} files are played as one recording, in the order of their times", files.size()));
-  return {std::move(parts), ""};
+  return OpenedReader(std::move(parts));
 }
 
 }  // namespace rumi

@@ -3,6 +3,6 @@
 
 namespace rumi {
 
-inline constexpr const char* kNoMask = "none";  // as camera_driver.mask: not even the one beside the data
+inline constexpr const char* kNoMask = "none";  // for camera_driver.mask: no mask at all, not even one beside the data
 
 }  // namespace rumi

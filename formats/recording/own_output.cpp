@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kBytes = 200;  // of a file, that tell whose it is
+constexpr size_t kBytes = 200;  // the first bytes of a file tell who wrote it
 
 bool is_of_a_run(const fs::path& name) {
   static const std::set<std::string> kNames = {"run.json",    "trajectory.txt", "trajectory.png", "trajectory.mp4",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a run of Rumi wrote, given where a recording is expected.
+// Recognizes the outputs of Rumi's runs where a recording is expected.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace rumi {
 
-// What it is and what to give instead, or an empty string. A folder that has images of its own is a recording, even
-// if a run wrote into it.
+// Says what the path is and what to give instead; empty if it is no output. A folder with images of its own is a
+// recording, even if a run wrote into it.
 std::string advice_on_own_output(const std::filesystem::path& path);
 
 }  // namespace rumi

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr const char* kMaskName = "mask.png";
 constexpr const char* kFolderName = "masks";
 
-// Which files are there. Each folder is read once: a recording may have many thousand images, and no masks.
+// Knows which files exist. Each folder is read once: a recording may have many thousand images, and no masks.
 class Files {
  public:
   bool has(const fs::path& file) {
@@ -44,7 +44,8 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(path, code);
 }
 
-// COLMAP's name first: a.jpg.png of a.jpg; then a.png; both with the image's path from the list on, and without.
+// Returns the names that the mask of an image may have: COLMAP's, a.jpg.png for a.jpg, then a.png; each with the
+// image's path in the list, and without.
 std::vector<fs::path> names_of_mask(const fs::path& folder, const fs::path& image, const fs::path& root) {
   const fs::path path = image.lexically_proximate(root);
   std::vector<fs::path> names;
@@ -70,18 +71,18 @@ bool RecordingMasks::has_found() const {
   return std::any_of(of_frames_.begin(), of_frames_.end(), [](const fs::path& file) { return !file.empty(); });
 }
 
-std::string RecordingMasks::use_for_all(const std::string& file) {
+Result<> RecordingMasks::use_for_all(const std::string& file) {
   const DecoderMessages are_ours;
-  const MaskFile mask = read_camera_mask(file, size_);
-  if (!mask.ok()) return mask.error;
-  of_all_ = mask.pixels;
+  const Result<cv::Mat> mask = read_camera_mask(file, size_);
+  if (!mask) return mask.error();
+  of_all_ = *mask;
   png_of_all_ = encode_mask(of_all_);
-  what_ = fmt::format("{}: {:.1f} % of each image is left out", file, 100 * mask.left_out());
+  what_ = fmt::format("{}: {:.1f} % of each image is left out", file, 100 * share_left_out(*mask));
   return {};
 }
 
-// Fills of_frames_; from beside the images without a folder. Returns the names that were looked for in vain, if there
-// are none.
+// Fills of_frames_ with files of the folder, or, if `folder` is empty, with files beside the images. Returns the names
+// that were looked for first.
 std::string RecordingMasks::find_of_frames(const fs::path& folder, const FrameReader& reader) {
   Files files;
   std::string first;
@@ -99,12 +100,12 @@ std::string RecordingMasks::find_of_frames(const fs::path& folder, const FrameRe
   return first;
 }
 
-std::string RecordingMasks::check_of_frames() {
+Result<> RecordingMasks::check_of_frames() {
   int64_t count = 0;
   fs::path first;
   for (const fs::path& file : of_frames_) {
     if (file.empty()) continue;
-    if (const std::string why = why_unfit(file.string(), size_); !why.empty()) return why;
+    if (const Result<> checked = check_mask_file(file.string(), size_); !checked) return checked;
     if (++count == 1) first = file;
   }
   what_ += fmt::format("{}{} of {} images have a mask of their own (the first: {})", what_.empty() ? "" : "; ", count,
@@ -112,15 +113,15 @@ std::string RecordingMasks::check_of_frames() {
   return {};
 }
 
-std::string RecordingMasks::find(const MaskPlaces& places, const FrameReader& reader, const cv::Size& size) {
+Result<> RecordingMasks::find(const MaskPlaces& places, const FrameReader& reader, const cv::Size& size) {
   size_ = size;
   if (places.given == kNoMask) return {};
   if (is_folder(places.given)) {
     const std::string looked_for = find_of_frames(places.given, reader);
     if (looked_for.empty())
-      return fmt::format("{}: is a folder, and only images in files of their own can have a mask each: give one PNG",
-                         places.given);
-    if (!has_found()) return fmt::format("{}: has no mask of any image: looked for {}", places.given, looked_for);
+      return Error{"is a folder, and only images in files of their own can have a mask each: give one PNG",
+                   places.given};
+    if (!has_found()) return Error{"has no mask of any image: looked for " + looked_for, places.given};
     return check_of_frames();
   }
   if (!places.given.empty()) return use_for_all(places.given);
@@ -131,16 +132,17 @@ std::string RecordingMasks::find(const MaskPlaces& places, const FrameReader& re
     if (!has_found() && is_folder(folder / kFolderName)) find_of_frames(folder / kFolderName, reader);
   }
   if (!has_found()) find_of_frames("", reader);
-  const std::string problem = for_all.empty() ? "" : use_for_all(for_all);
-  return problem.empty() && has_found() ? check_of_frames() : problem;
+  if (!for_all.empty())
+    if (const Result<> used = use_for_all(for_all); !used) return used;
+  return has_found() ? check_of_frames() : Result<>();
 }
 
 std::string RecordingMasks::png_of(size_t frame) {
   if (frame >= of_frames_.size() || of_frames_[frame].empty()) return png_of_all_;
   const DecoderMessages are_ours;
-  const MaskFile own = read_mask_file(of_frames_[frame].string(), size_);
-  if (own.ok()) return encode_mask(of_all_.empty() ? own.pixels : cv::Mat(own.pixels & of_all_));
-  if (!is_problem_told_) log_warning("{}; the image is used without it (more of them are not told)", own.error);
+  const Result<cv::Mat> own = read_mask_file(of_frames_[frame].string(), size_);
+  if (own) return encode_mask(of_all_.empty() ? *own : cv::Mat(*own & of_all_));
+  if (!is_problem_told_) log_warning("{}; the image is used without it (more of them are not told)", own.error_text());
   is_problem_told_ = true;
   return png_of_all_;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Masks of a recording's images: what of them does not show the world. One of all images, and one an image.
+// Finds the masks of a recording: the parts of its images that do not show the world. All images may share one mask,
+// and each may have its own.
 #pragma once
 
 #include <filesystem>
@@ -7,15 +8,16 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "formats/recording/frame_reader.h"
 
 namespace rumi {
 
-// Where they may be.
+// The places where masks are looked for.
 struct MaskPlaces {
-  std::string given;                           // by the user: a file, a folder, or kNoMask; empty: the others count
+  std::string given;                           // what the user gave: file, folder, or kNoMask; empty: the others count
   std::string of_calibration;                  // the file that the calibration names, or empty
-  std::vector<std::filesystem::path> folders;  // may have a file mask.png, and a folder `masks`
+  std::vector<std::filesystem::path> folders;  // folders that may have a file mask.png, and a folder `masks`
 };
 
 // True for a file beside images that is no image of the recording: mask.png, and a.jpg.png where a.jpg is.
@@ -23,25 +25,25 @@ bool is_mask_name(const std::string& name, const std::vector<std::string>& besid
 
 class RecordingMasks {
  public:
-  // Finds them, and reads of each as much as tells whether it fits images of `size`. Returns what is wrong with one, or
-  // an empty string.
-  std::string find(const MaskPlaces& places, const FrameReader& reader, const cv::Size& size);
+  // Finds the masks, and reads enough of each to tell whether it fits images of `size`. An Error if one does not.
+  Result<> find(const MaskPlaces& places, const FrameReader& reader, const cv::Size& size);
 
-  // For the frame's metadata; empty where all of it is the world. One that turns out broken is told once and not used.
+  // Returns the PNG for the frame's metadata; empty if the whole image shows the world. A mask that turns out broken is
+  // not used, and the first one is logged.
   std::string png_of(size_t frame);
-  // For the log; empty if there are none.
+  // Describes the masks for the log; empty if there are none.
   const std::string& what() const { return what_; }
 
  private:
-  std::string use_for_all(const std::string& file);
+  Result<> use_for_all(const std::string& file);
   std::string find_of_frames(const std::filesystem::path& folder, const FrameReader& reader);
-  std::string check_of_frames();
+  Result<> check_of_frames();
   bool has_found() const;
 
   cv::Size size_;
-  cv::Mat of_all_;  // pixels, or empty
+  cv::Mat of_all_;  // mask of all images; may be empty
   std::string png_of_all_;
-  std::vector<std::filesystem::path> of_frames_;  // a file each, or empty
+  std::vector<std::filesystem::path> of_frames_;  // mask file of each frame; may be empty
   std::string what_;
   bool is_problem_told_ = false;
 };

@@ -19,14 +19,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A recorder that splits loses less than this; one that was started again has mostly paused for longer.
+// Longest gap and overlap between the parts of a recording. A recorder that splits files loses less than kLongestGapUs;
+// one that is started again has mostly paused for longer.
 constexpr int64_t kLongestGapUs = 60'000'000, kMostOverlapUs = 1'000'000;
 
 bool goes_on(int64_t last_us, int64_t first_us) {
   return first_us >= last_us - kMostOverlapUs && first_us <= last_us + kLongestGapUs;
 }
 
-// "walk_#.bag" of "walk_12.bag".
+// Makes "walk_#.bag" of "walk_12.bag".
 std::string form_of(const fs::path& file) {
   std::string form;
   for (const char c : file.filename().string()) {
@@ -39,7 +40,7 @@ std::string form_of(const fs::path& file) {
   return form;
 }
 
-// The numbers in a name, as they are written.
+// Returns the numbers in a name, as they are written.
 std::vector<std::string> numbers_in(const std::string& name) {
   std::vector<std::string> numbers;
   bool is_in_number = false;
@@ -52,7 +53,7 @@ std::vector<std::string> numbers_in(const std::string& name) {
   return numbers;
 }
 
-// walk_1.mp4 has it for walk_0.mp4: one number is larger by one, and all else is the same.
+// True for walk_1.mp4 after walk_0.mp4: one number is larger by one, and the rest is the same.
 bool has_next_number(const std::string& name, const std::string& other) {
   if (form_of(name) != form_of(other)) return false;
   const std::vector<std::string> before = numbers_in(name), after = numbers_in(other);
@@ -66,7 +67,7 @@ bool has_next_number(const std::string& name, const std::string& other) {
   return changed == 1 && next == 1;
 }
 
-// Lcm logs and bags; videos are none.
+// True for lcm logs and bags, not for videos.
 bool has_messages(const fs::path& file) {
   static const std::set<std::string> kOfBags = {".bag", ".mcap", ".db3"};
   return kOfBags.contains(lower_extension(file)) || is_lcm_log(file.string());
@@ -108,7 +109,7 @@ std::string note_on_next_part(const fs::path& file, int64_t last_us, const First
   const std::vector<fs::path> files = recording_files(folder);
   const auto at = std::find(files.begin(), files.end(), folder / file.filename());
   if (at == files.end()) return {};
-  // The one before, too: `lcm-logger --rotate` gives the newest file the number 0.
+  // The previous file counts, too: `lcm-logger --rotate` gives the newest file the number 0.
   for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, std::ptrdiff_t{-1}}) {
     const bool is_there = step < 0 ? at != files.begin() : std::next(at) != files.end();
     if (!is_there || form_of(*(at + step)) != form_of(file)) continue;

@@ -7,14 +7,14 @@
 
 namespace rumi {
 
-// A text file line by line, whatever ends a line: LF, CR LF, or CR alone. Without the mark of UTF-8.
+// Reads a text file line by line, whatever ends a line: LF, CR LF, or CR alone. Skips UTF-8's byte order mark.
 class TextLines {
  public:
   explicit TextLines(const std::filesystem::path& file);  // see error()
 
-  // False at the end. Of a line that is longer than any of a list the beginning.
+  // Reads the next line. Returns false at the end. A line that is longer than any in a list is cut.
   bool next(std::string* line);
-  // Empty, or why it cannot be read, and what to do, without the name of the file.
+  // Says why the file cannot be read, and what to do, without the name of the file; empty if it can.
   const std::string& error() const { return error_; }
 
  private:

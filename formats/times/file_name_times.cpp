@@ -15,9 +15,9 @@
 namespace rumi {
 namespace {
 
-constexpr size_t kLongestName = 255;  // the regular expressions recurse
+constexpr size_t kLongestName = 255;  // characters; for longer ones the regular expressions recurse too deeply
 
-// The part of the name that `form` fits.
+// Returns the part of the name that `form` fits; nullopt if there is none.
 std::optional<std::smatch> find(const std::string& name, const std::regex& form) {
   std::smatch match;
   if (name.size() > kLongestName || !std::regex_search(name, match, form)) return std::nullopt;
@@ -25,12 +25,12 @@ std::optional<std::smatch> find(const std::string& name, const std::regex& form)
 }
 
 struct Zone {
-  int64_t seconds = 0;      // before UTC
-  bool is_at_once = false;  // no decimals are between the second and it
+  int64_t seconds = 0;      // by which local time is ahead of UTC
+  bool is_at_once = false;  // the zone follows the second without decimals between
 };
 
-// "+02:00", "+0200", "-05:00" or ".250+02:00" behind the second of a date. Anything else, such as "Z", is UTC. "-0500"
-// is taken for decimals: they are usual behind this sign.
+// Reads the zone behind the second of a date: "+02:00", "+0200", "-05:00" or ".250+02:00". Other texts, such as "Z",
+// are UTC. "-0500" is taken for decimals, which are usual behind this sign.
 Zone zone_behind(const std::string& text) {
   static const std::regex form("^([-_.,]?[0-9]{1,9})?([+-])(0[0-9]|1[0-4])(:?)([0-5][0-9])(?:[^0-9]|$)");
   static const std::regex at_once("^([+-])(0[0-9]|1[0-4])(:?)([0-5][0-9])(?:[^0-9]|$)");
@@ -67,7 +67,7 @@ std::string date_in(const std::string& name) {
   return fmt::format("{}.{}", utc, decimals.empty() || zone.is_at_once ? "0" : decimals);
 }
 
-// Of a day, without the date.
+// Returns a time of day, in seconds since midnight; empty if the name has none.
 std::string clock_in(const std::string& name) {
   static const std::regex form(
       "(?:^|[^0-9])([01]?[0-9]|2[0-3])([-_:h])([0-5][0-9])[-_:m]([0-5][0-9])[.,]([0-9]{1,9})(?:[^0-9]|$)");
@@ -89,21 +89,22 @@ std::string whole_number_in(const std::string& name) {
   return match ? (*match)[1].str() : "";
 }
 
-// Of ten digits, with zeros before them: a counter of 32 bits, if it begins again.
+// Returns a number of ten digits, padded with zeros: it may be of a counter of 32 bits, if it begins again at 0.
 std::string counter_in(const std::string& name) {
   static const std::regex form("(?:^|[^0-9])([0-9]{10})(?:[^0-9]|$)");
   const auto match = find(name, form);
   return match ? (*match)[1].str() : "";
 }
 
-// As times since 1970 have so many digits.
+// Returns the unit in which times since 1970 have this many digits.
 TimeUnit unit_of_digits(size_t digits) {
   if (digits < 12) return TimeUnit::kSeconds;
   if (digits < 15) return TimeUnit::kMilliseconds;
   return digits < 18 ? TimeUnit::kMicroseconds : TimeUnit::kNanoseconds;
 }
 
-// 0, 1, 2 ... or 1, 2, 3 ... behind each second: of at least one second, and of no second anything else.
+// True if the decimals only count the images within each second: 0, 1, 2 ... or 1, 2, 3 ... in each, and at least three
+// in one of them.
 bool decimals_count(const std::vector<std::string>& times) {
   constexpr size_t kLeast = 3;
   constexpr size_t kMostDigits = 6;
@@ -116,7 +117,7 @@ bool decimals_count(const std::vector<std::string>& times) {
   }
   size_t most = 0;
   for (auto& [second, counts] : seconds) {
-    const bool is_cut = &counts == &seconds.begin()->second;  // the first second may have begun before
+    const bool is_cut = &counts == &seconds.begin()->second;  // the first second may be incomplete
     std::sort(counts.begin(), counts.end());
     const int first = std::stoi(counts.front());
     if (first > 1 && !is_cut) return false;
@@ -127,8 +128,8 @@ bool decimals_count(const std::vector<std::string>& times) {
   return most >= kLeast;
 }
 
-// Of a recording of less than half a day that passes midnight: the times after it are those of the next day. True if
-// so.
+// Adds a day to the times after midnight, if the recording is shorter than half a day and passes midnight. Returns true
+// if it does.
 bool pass_midnight(std::vector<std::string>* times) {
   constexpr int64_t kDayUs = 86'400'000'000;
   std::vector<int64_t> sorted;
@@ -146,7 +147,7 @@ bool pass_midnight(std::vector<std::string>* times) {
 
 bool is_hexadecimal(char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; }
 
-// As numbers in names they are then not in the order of their values: ".0333" comes behind ".1".
+// True if decimals have different lengths: sorting such names does not sort the times, as ".0333" comes behind ".1".
 bool have_unequal_decimals(const std::vector<std::string>& times) {
   const auto decimals = [](const std::string& time) {
     const size_t point = time.find('.');
@@ -158,7 +159,7 @@ bool have_unequal_decimals(const std::vector<std::string>& times) {
   return std::adjacent_find(times.begin(), times.end(), differs) != times.end();
 }
 
-// Without the ending, which may not be taken for decimals.
+// Returns the name without its ending, which must not be taken for decimals.
 std::string stem_of(const std::string& name) { return name.substr(0, name.rfind('.')); }
 
 }  // namespace
@@ -204,7 +205,7 @@ bool are_hexadecimal(const std::vector<std::string>& names) {
     if (stem.size() != first.size()) return false;
     common = std::min<size_t>(common, std::mismatch(first.begin(), first.end(), stem.begin()).first - first.begin());
   }
-  while (common > 0 && is_hexadecimal(first[common - 1])) --common;  // "frame_0000"
+  while (common > 0 && is_hexadecimal(first[common - 1])) --common;  // digits in common belong to the number
   bool have_letters = false, have_none = false;
   for (const std::string& name : names) {
     const std::string number = stem_of(name).substr(common);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Times in the names of image files.
+// Reads times in the names of image files.
 #pragma once
 
 #include <string>
@@ -13,18 +13,18 @@ struct FileNameTimes {
   std::vector<std::string> times;  // decimal numbers, one a name; empty: the name has none
   TimeUnit usual = TimeUnit::kSeconds;
   bool count_within_second = false;  // what looks like decimals counts the images of each second (_000, _001 ...)
-  bool have_another_order = false;   // than the names: they have to be sorted
+  bool have_another_order = false;   // the times are not in the order of the names: sort them
   std::string note;                  // empty, or how odd times are read
 };
 
-// Of "1305031102.175304" (seconds, at least three decimals, or nine digits before them), "1403636579763555584" (seconds
-// to nanoseconds, at least ten digits and no 0 before them: else it is a number) "2026-03-02_10-15-00.250" (UTC) and
-// "10-15-00.250" (of a day), with anything before and after.
-// What most of the names have. Times of a day that leave out more than half of it go on past midnight.
+// Reads times such as "1305031102.175304" (seconds, at least three decimals, or nine digits before them),
+// "1403636579763555584" (seconds to nanoseconds, at least ten digits and no 0 before them; other whole numbers only
+// count), "2026-03-02_10-15-00.250" (UTC) and "10-15-00.250" (time of day), with any text before and after. Takes the
+// kind of time that most names have. If times of day leave a gap of more than half a day, they pass midnight.
 FileNameTimes times_in_names(const std::vector<std::string>& names);
 
-// "0000000a.jpg" behind "00000009.jpg": names of one length and one beginning, of which some have letters up to f and
-// others digits alone.
+// True for hexadecimal numbers, "0000000a.jpg" after "00000009.jpg": the names have one length and one beginning, some
+// have letters up to f, and others digits alone.
 bool are_hexadecimal(const std::vector<std::string>& names);
 
 }  // namespace rumi

@@ -17,7 +17,8 @@ namespace {
 constexpr int64_t kWrap = int64_t{1} << 32;
 constexpr int64_t kHalf = kWrap / 2;
 
-// The sum of how much each step between times differs from the usual one. Nothing if a time is no number of seconds.
+// Returns the sum of the deviations of the steps between times from their median; nullopt if a time is no number of
+// seconds.
 std::optional<int64_t> unevenness_us(const std::vector<std::string>& times) {
   std::vector<int64_t> sorted;
   for (const std::string& time : times) {
@@ -33,7 +34,7 @@ std::optional<int64_t> unevenness_us(const std::vector<std::string>& times) {
   return sum;
 }
 
-// Whole numbers of 32 bits; nothing if one is not, or there are few. Empty texts are passed over.
+// Reads whole numbers of 32 bits; nullopt if a text is anything else (empty, too), or if there are fewer than four.
 std::optional<std::vector<int64_t>> numbers_of_32_bits(const std::vector<std::string>& times) {
   constexpr size_t kLeast = 4;
   std::vector<int64_t> numbers;
@@ -105,7 +106,7 @@ std::string continue_sorted_32_bits(std::vector<std::string>* times) {
   std::vector<int64_t> sorted = *numbers;
   std::sort(sorted.begin(), sorted.end());
   const auto gap = std::adjacent_find(sorted.begin(), sorted.end(), [](int64_t a, int64_t b) { return b - a > kHalf; });
-  // One number far from all others is a mistake, and not the beginning.
+  // A single number far from all others is an error, and does not mean that the counter began again.
   if (gap == sorted.end() || sorted.end() - gap < 3 || gap == sorted.begin()) return {};
   for (int64_t& number : *numbers) number += number <= *gap ? kWrap : 0;
   return are_microseconds(*numbers) ? take(*numbers, times) : "";

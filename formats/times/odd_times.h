@@ -8,18 +8,20 @@
 
 namespace rumi {
 
-// "5.33333" for 5.033333: microseconds (or others) behind the second without leading zeros. Found by decimals of
-// unequal length, with which the times are even only if they are counts. Gives them their zeros; returns what to say,
-// or an empty string.
+// Gives decimals their leading zeros if a program wrote "5.33333" for 5.033333: the second, a point, and the count of
+// microseconds (or milli- or nanoseconds). Recognized by decimals of unequal length that give even steps only if they
+// are read as counts. Returns a note for the user, or an empty string.
 std::string give_decimals_their_zeros(std::vector<std::string>* times);
 
-// Microseconds of a counter with 32 bits that begins again at 0 after 71 minutes, in the order in which they are
-// stored.
+// Repairs times that are microseconds of a 32-bit counter, which begins again at 0 after 71 minutes: adds 2^32 to those
+// that follow. The times are in stored order. Returns a note for the user, or an empty string.
 std::string continue_32_bits(std::vector<std::string>* times);
-// The same in the order of the numbers: a gap of more than half of what 32 bits count.
+// As continue_32_bits(), for times in any order: a gap of more than half the range of 32 bits shows where the counter
+// begins again.
 std::string continue_sorted_32_bits(std::vector<std::string>* times);
 
-// Empty, or that times are negative, with the first one: all of them, or more than the few that are wrong times.
+// Returns a message, with the first one, if all times are negative or more than the few that may be wrong; else an
+// empty string.
 std::string why_negative(const std::vector<int64_t>& utimes_us);
 
 }  // namespace rumi

@@ -12,10 +12,10 @@
 namespace rumi {
 namespace {
 
-constexpr double kMinHz = 0.05, kMaxHz = 2000;  // a picture every 20 s; a high-speed camera
+constexpr double kMinHz = 0.05, kMaxHz = 2000;  // from a picture every 20 s to a high-speed camera
 constexpr double kUsualHz = 30;
 
-// Images a second, by the median of the steps between different times; 0: not known.
+// Returns the rate in images a second, by the median of the steps between different times; 0: not known.
 double rate_hz(const std::vector<std::string>& texts, TimeUnit unit) {
   std::vector<int64_t> times;
   for (const std::string& text : texts)

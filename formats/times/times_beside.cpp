@@ -45,7 +45,7 @@ bool is_heading(const Words& words) {
   });
 }
 
-// Lines of words, without comments and what stands above columns.
+// Reads lines of words, without comments and headings of columns.
 std::vector<Words> read_lines(const fs::path& file) {
   constexpr size_t kLongestLine = 1000, kMostLines = 10'000'000;
   std::vector<Words> lines;
@@ -58,7 +58,7 @@ std::vector<Words> read_lines(const fs::path& file) {
   return lines;
 }
 
-// "2011-09-26 13:02:25.964389445"
+// Reads dates such as "2011-09-26 13:02:25.964389445".
 std::vector<std::string> dates_in(const std::vector<Words>& lines) {
   std::vector<std::string> texts;
   texts.reserve(lines.size());
@@ -73,7 +73,7 @@ std::string without_zeros(const std::string& number) {
   return number.substr(std::min(number.find_first_not_of('0'), number.size() - 1));
 }
 
-// The number of an image: the last one in its name.
+// Returns the number of an image: the last one in its name; the name itself if it has none.
 std::string number_of(const std::string& name) {
   const std::string text = stem(name);
   const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
@@ -82,7 +82,7 @@ std::string number_of(const std::string& name) {
   return end == text.rend() ? text : without_zeros({begin.base(), end.base()});
 }
 
-// The times in the second column, by the first one, which names the image; empty if it does not.
+// Returns the times in the second column, if the first one has the name or the number of each image; else empty.
 std::vector<std::string> by_first_column(const std::vector<Words>& lines, const std::vector<std::string>& names) {
   std::map<std::string, std::string> by_name, by_number;
   for (size_t i = 0; i < lines.size(); ++i) {

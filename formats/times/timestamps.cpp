@@ -10,11 +10,11 @@
 namespace rumi {
 namespace {
 
-constexpr int64_t kMaxUs = int64_t{1} << 53;  // what a message may have: the year 2255
+constexpr int64_t kMaxUs = int64_t{1} << 53;  // no time in a message may be this large: the year 2255
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// digits[.digits][e[+-]digits] taken apart: value = digits * 10^exponent.
+// Holds the parts of digits[.digits][e[+-]digits]: value = digits * 10^exponent.
 struct Decimal {
   std::string digits;
   int exponent = 0;
@@ -44,7 +44,7 @@ std::optional<Decimal> parse_decimal(std::string_view text) {
   return decimal;
 }
 
-// digits * 10^exponent as an integer, rounded half up.
+// Returns digits * 10^exponent as an integer, rounded half up; nullopt from kMaxUs on.
 std::optional<int64_t> round_decimal(const Decimal& decimal) {
   const int kept = static_cast<int>(decimal.digits.size()) + decimal.exponent;  // digits before the point
   int64_t value = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Times in dataset files -> int64 microseconds, by integer arithmetic: a double has no room for 1305031102.175304 s and
-// all its neighbours.
+// Converts times in dataset files to int64 microseconds by integer arithmetic: a double cannot hold nanoseconds since
+// 1970.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,13 @@
 
 namespace rumi {
 
-// From image to image where it is not known: 30 Hz.
+// The time from image to image if it is not known: 30 Hz.
 inline constexpr int64_t kUsualPeriodUs = 33'333;
 
-// A decimal number of `unit`, "1305031102.175304" or "1.305031102175304e+09", rounded to the nearest microsecond.
-// Nothing for anything else, negative numbers, and 2^53 us (the year 2255) and above.
+// Parses a decimal number of `unit`, "1305031102.175304" or "1.305031102175304e+09", rounded to the nearest
+// microsecond. Returns nullopt for other texts, negative numbers, and 2^53 us (the year 2255) and above.
 std::optional<int64_t> parse_time_us(std::string_view text, TimeUnit unit);
-// "1305031102.175304": what parse_time_us reads back. Precondition: not negative.
+// Writes "1305031102.175304", which parse_time_us() reads back. Precondition: not negative.
 std::string format_seconds(int64_t utime_us);
 
 }  // namespace rumi

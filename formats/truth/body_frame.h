@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the camera is on the body whose path an EuRoC or TUM-VI dataset has as its truth.
+// Finds where the camera is on the body whose path is the truth of an EuRoC or TUM-VI dataset.
 #pragma once
 
 #include <filesystem>
@@ -10,13 +10,13 @@
 namespace rumi {
 
 struct TrackedFrame {
-  std::filesystem::path asked;          // the file that should say it
-  bool is_in_dataset = false;           // that file, or a camchain, is there
-  std::optional<SE3> tracked_from_cam;  // nothing: they do not say
+  std::filesystem::path asked;          // the file that should say where the camera is
+  bool is_in_dataset = false;           // that file is there, or a camchain
+  std::optional<SE3> tracked_from_cam;  // nullopt: the files do not say
 };
 
-// For .../mav0/NAME/data.csv: T_BS of ../cam0/sensor.yaml, or T_cam_imu of a camchain.yaml; and T_BS of
-// NAME/sensor.yaml if what is tracked is not the body itself (EuRoC's vicon0).
+// For .../mav0/NAME/data.csv: combines T_BS of ../cam0/sensor.yaml, or T_cam_imu of a camchain.yaml, with T_BS of
+// NAME/sensor.yaml if another point than the body itself is tracked (EuRoC's vicon0).
 TrackedFrame read_tracked_frame(const std::filesystem::path& truth);
 
 }  // namespace rumi

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The fields of a line of text.
+// Splits a line of text into fields, and reads numbers.
 #pragma once
 
 #include <optional>
@@ -8,11 +8,11 @@
 
 namespace rumi {
 
-// What is between any of the separators; there are no empty fields.
+// Splits at any of the separators; there are no empty fields.
 std::vector<std::string> split(const std::string& line, const char* separators);
-// A finite number, and nothing else.
+// Reads a finite number; nullopt for any other text.
 std::optional<double> to_number(const std::string& text);
-// Larger ones are no positions, in whatever unit: of the globe in millimetres there are some of 1e10.
+// A coordinate above it is no position, in any unit: on the globe, in millimetres, there are some of 1e10.
 inline constexpr double kLargestPosition = 1e11;
 
 }  // namespace rumi

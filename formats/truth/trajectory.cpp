@@ -17,7 +17,7 @@
 namespace rumi {
 namespace {
 
-// Empty fields count; the end of the line may be that of another system.
+// Splits a line, with empty fields; accepts line ends of other systems.
 std::vector<std::string> split_csv(const std::string& line) {
   std::vector<std::string> fields;
   const size_t length = line.ends_with('\r') ? line.size() - 1 : line.size();
@@ -36,7 +36,8 @@ bool parse(const std::string& text, Number* value) {
   return number.has_value();
 }
 
-// Of the fields at `columns` (none: the file has no such columns). False if one of them is no number.
+// Reads the sigmas from the fields at `columns`; leaves them as they are if `columns` is empty (the file has no such
+// columns) or a field is empty. Returns false if a field is not a number.
 bool parse_sigmas(const std::vector<std::string>& fields, const std::vector<size_t>& columns, PoseSigmas* sigmas) {
   std::vector<double> values;
   for (const size_t column : columns) {
@@ -47,7 +48,7 @@ bool parse_sigmas(const std::vector<std::string>& fields, const std::vector<size
   return true;
 }
 
-// The numbers of a line, or nothing if one of the first `count` is missing or not finite.
+// Returns the first `count` numbers of a line; nullopt if one is missing or not finite.
 std::optional<std::vector<double>> numbers(const std::vector<std::string>& fields, size_t count) {
   if (fields.size() < count) return std::nullopt;
   std::vector<double> values(count);
@@ -59,7 +60,7 @@ std::optional<std::vector<double>> numbers(const std::vector<std::string>& field
   return values;
 }
 
-// Far enough from the ends of the numbers for the difference of two times.
+// True if the difference of two such times cannot overflow.
 bool is_time(int64_t utime_us) { return std::abs(static_cast<double>(utime_us)) < 0x1p53; }
 
 void sort_by_time(TrajectoryFile* result) {

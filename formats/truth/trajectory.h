@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a run writes: trajectories in TUM format (time tx ty tz qx qy qz qw, map_from_cam), and frames.csv. The truth is
-// read by truth.h.
+// Reads the outputs of a run: trajectories in TUM format (time tx ty tz qx qy qz qw, map_from_cam), and frames.csv.
+// truth.h reads the truth.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +18,14 @@ struct TimedPose {
 };
 
 struct TrajectoryFile {
-  std::vector<TimedPose> poses;  // by time, one per time
-  int skipped_lines = 0;         // not a number, not finite, no rotation, no time, or one that was there before
-  std::string error;             // empty, or why the file could not be used
+  std::vector<TimedPose> poses;  // in order of time, one per time
+  int skipped_lines = 0;         // lines that are no pose, or have a time that was there before
+  std::string error;             // why the file could not be used; else empty
   bool ok() const { return error.empty(); }
 };
 
-// TUM format; lines that start with '#' are comments. A file without a single usable line is an error only if it had
-// lines.
+// Reads TUM format; lines that start with '#' are comments. A file without a single usable line is an error only if it
+// has lines.
 TrajectoryFile read_trajectory(const std::string& file);
 
 struct InputFrame {
@@ -33,18 +33,18 @@ struct InputFrame {
   std::string state;
   int submap = 0;  // 0: no pose
   bool in_map = false;
-  PoseSigmas sigmas = {};  // of lengths in the map's unit where in_map, else in the submap's
+  PoseSigmas sigmas = {};  // lengths in the map's unit if in_map, else in the submap's
 };
 
 struct FramesFile {
-  std::vector<InputFrame> frames;  // by time
+  std::vector<InputFrame> frames;  // in order of time
   std::string error;
   bool ok() const { return error.empty(); }
 };
 
-// frames.csv: columns utime, state, submap, in_map in any order, named by the first line; position_sigma,
-// rotation_sigma_rad and log_scale_sigma where it has all three (older files have not). Deviations that are empty, or
-// none by pose_sigmas(), are not known.
+// Reads frames.csv: columns utime, state, submap, in_map in any order, named by the first line; also position_sigma,
+// rotation_sigma_rad and log_scale_sigma if it has all three (older files do not). Deviations are not known if their
+// fields are empty, or if pose_sigmas() says so.
 FramesFile read_frames(const std::string& file);
 
 }  // namespace rumi

@@ -60,7 +60,7 @@ class TruthReader {
     result_.error = fmt::format("{}: {}", file_, why);
     return result_;
   }
-  // What is no text of poses, and is known all the same.
+  // Recognizes files that are no text of poses. Returns what they are and what to do, or an empty string.
   std::string known_stranger() const {
     std::error_code code;
     if (fs::is_directory(file_, code))
@@ -155,9 +155,10 @@ class TruthReader {
     note(fmt::format("has no times: they are those of {}", file));
   }
 
-  // Images whose times are not since 1970 begin at 0, wherever they are played from.
+  // Returns the time of an image by its number, counted from 0; nullopt if it is out of all bounds. If the recording's
+  // times are since 1970, image 0 has the first of them; else it has time 0.
   std::optional<int64_t> at_rate(double number) const {
-    const bool since_1970 = options_.run && options_.run->first_us > 1e14;
+    const bool since_1970 = options_.run && static_cast<double>(options_.run->first_us) > 1e14;
     const std::optional<int64_t> since_first = to_us({number, std::nullopt}, options_.frames_per_second);
     if (!since_first) return std::nullopt;
     return *since_first + (since_1970 ? options_.run->first_us : 0);
@@ -200,11 +201,11 @@ class TruthReader {
       Eigen::Vector3d& t = pose.map_from_cam.translation;
       Eigen::Quaterniond& q = pose.map_from_cam.rotation;
       t.y() = -t.y();
-      q.x() = -q.x(), q.z() = -q.z();  // an axis of rotation turns the other way as well
+      q.x() = -q.x(), q.z() = -q.z();  // a mirror also reverses the sense of rotation
     }
   }
 
-  // EuRoC's truth is of the body, or of a marker on it.
+  // Moves the poses to the camera: EuRoC's truth is the path of the body, or of a marker on it.
   void move_to_camera() {
     if (!result_.has_rotations) return note("they are of the tracked point (a prism or marker), and not of the camera");
     const TrackedFrame tracked = read_tracked_frame(file_);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The true path, as datasets and tracking systems write it: TUM's lines, EuRoC's and TUM-VI's data.csv, KITTI's
-// matrices, positions only, with any separator and unit of time. What was decided, or left out, is told in notes.
+// Reads the true path, as datasets and tracking systems write it: TUM's lines, EuRoC's and TUM-VI's data.csv, KITTI's
+// matrices, positions only, with any separator and unit of time. The notes say what was decided or left out.
 #pragma once
 
 #include <cstdint>
@@ -12,32 +12,32 @@
 
 namespace rumi {
 
-// Of the recording's images.
+// The times of the recording's images.
 struct RunTimes {
   int64_t first_us = 0, last_us = 0;
-  int64_t period_us = 0;  // the usual one
+  int64_t period_us = 0;  // usual time from image to image
 };
 
 struct TruthOptions {
-  // The first column counts images at this rate instead of giving times (ICL-NUIM's *.gt.freiburg), or there are no
-  // times (KITTI); 0 = there are.
+  // The rate of the images, if the first column counts them instead of giving times (ICL-NUIM's *.gt.freiburg), or if
+  // there are no times (KITTI). 0: the file has times.
   double frames_per_second = 0;
-  // Helps to tell units of time, and numbers of images from times.
+  // Helps to find the unit of times, and to tell times from numbers of images.
   std::optional<RunTimes> run = {};
-  // Added to all times by evaluate_folder(), s. Nothing: that of find_truth_shift(), if there is one.
+  // Seconds that evaluate_folder() adds to all times. nullopt: the shift that find_truth_shift() finds, if any.
   std::optional<double> shift_s = 0;
 };
 
 struct TruthFile {
-  std::vector<TimedPose> poses;    // by time, one per time; rotations are the identity without has_rotations
-  bool has_rotations = true;       // of the camera
-  std::vector<std::string> notes;  // with the file's name
+  std::vector<TimedPose> poses;    // in order of time, one per time; rotations are the identity unless has_rotations
+  bool has_rotations = true;       // rotations of the camera are known
+  std::vector<std::string> notes;  // each with the file's name
   std::string hint;                // what may be wrong if its times are not those of the images; may be empty
-  std::string error;               // empty, or why the file could not be used
+  std::string error;               // why the file could not be used; else empty
   bool ok() const { return error.empty(); }
 };
 
-// What ICL-NUIM's files end with. Their poses are of the renderer's world, whose y points up: they are mirrored, so
+// ICL-NUIM's files of poses have this ending. Their world is the renderer's, whose y points up: poses are mirrored, so
 // that y points down as in the images.
 inline constexpr const char* kEndingOfIclNuim = ".gt.freiburg";
 

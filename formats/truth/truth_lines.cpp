@@ -113,7 +113,7 @@ std::optional<RawPose> LineReader::read_line(const std::vector<std::string>& fie
 }
 
 std::vector<int> lines_apart(const TruthTable& table, const std::vector<RawPose>& poses) {
-  constexpr double kUsualSteps = 100;  // it is so many of them away
+  constexpr double kUsualSteps = 100;  // a position this many usual steps from its neighbours is apart
   std::vector<double> steps;
   const auto distance = [&poses](size_t a, size_t b) {
     return (poses[a].pose.translation - poses[b].pose.translation).norm();

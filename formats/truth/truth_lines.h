@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The lines of a truth as poses, with the times as they stand there.
+// Reads the lines of a truth as poses, with the times as they are written.
 #pragma once
 
 #include <array>
@@ -15,23 +15,23 @@ namespace rumi {
 
 struct RawTime {
   double value = 0;
-  std::optional<int64_t> whole;  // nanoseconds since 1970 have more digits than a double
+  std::optional<int64_t> whole;  // the value, if it is whole: nanoseconds since 1970 have more digits than a double
 };
 
 struct RawPose {
-  size_t index = 0;  // of its line among those of the table
+  size_t index = 0;  // number of its line in the table
   RawTime time;
   SE3 pose;
 };
 
-// Reads one line after another, and counts what is no pose.
+// Reads one line after another, and counts those that are no pose.
 class LineReader {
  public:
   LineReader(const TruthTable& table, const TruthColumns& columns) : table_(table), columns_(columns) {}
 
   std::vector<RawPose> read();
   size_t skipped() const { return skipped_; }
-  const std::string& first() const { return first_; }  // "line 1, nan"
+  const std::string& first() const { return first_; }  // the first line that is no pose: "line 1, nan"
 
  private:
   std::optional<double> number(const std::string& field);
@@ -47,12 +47,13 @@ class LineReader {
   std::string first_, why_;
 };
 
-// Numbers of the lines whose positions lie far from those before and behind them: there the reference system was wrong
-// for a moment.
+// Returns the numbers of the lines whose positions lie far from those before and behind them: there the reference
+// system was wrong for a moment.
 std::vector<int> lines_apart(const TruthTable& table, const std::vector<RawPose>& poses);
-// Every quaternion is zero or NaN: the writer had positions only.
+// True if every quaternion is zero or NaN: the writer had positions only.
 bool has_no_rotation(const TruthTable& table, const TruthColumns& columns);
-// COLMAP's images.txt: lines of ten fields that end with the name of an image; the lines between them hold its points.
+// True for COLMAP's images.txt: lines of ten fields that end with the name of an image; the lines between them hold its
+// points.
 bool are_images_of_colmap(const TruthTable& table);
 
 }  // namespace rumi

@@ -15,10 +15,10 @@
 namespace rumi {
 namespace {
 
-// A field in quotes is the same as one without.
+// Splits a line into fields, without the quotes around them.
 std::vector<std::string> fields_of(const std::string& line) {
   if (line.find(';') == std::string::npos) return split(line, " ,\t\r\"'");
-  // Where semicolons part the fields, a comma is that of a decimal number.
+  // If semicolons separate the fields, a comma is a decimal comma.
   std::vector<std::string> fields = split(line, " ;\t\r\"'");
   for (std::string& field : fields)
     if (std::count(field.begin(), field.end(), ',') == 1) std::replace(field.begin(), field.end(), ',', '.');
@@ -30,7 +30,7 @@ bool is_comment(const std::string& line) {
   return first == std::string::npos || line[first] == '#' || line[first] == '%' || line.compare(first, 2, "//") == 0;
 }
 
-// "#timestamp [ns], p_RS_R_x [m]" are two names; so are "time tx".
+// Reads the names of columns: "#timestamp [ns], p_RS_R_x [m]" are two names; so are "time tx".
 std::vector<std::string> names_of(std::string line) {
   for (size_t open = line.find('['); open != std::string::npos; open = line.find('[')) {
     const size_t close = line.find(']', open);
@@ -55,7 +55,7 @@ bool holds(const std::string& name, std::initializer_list<const char*> pieces) {
                      [&name](const char* piece) { return name.find(piece) != std::string::npos; });
 }
 
-// "time", "x" to "z" of the position, "qw" to "qz"; empty for all else.
+// Returns "time", "x" to "z" for the position, "qw" to "qz"; empty for other columns.
 std::string role_of(const std::string& name) {
   if (name == "t" || name == "sec" || name == "secs" || name == "seconds" || holds(name, {"time", "stamp"}))
     return "time";
@@ -86,7 +86,7 @@ std::optional<TruthColumns> columns_by_name(const std::vector<std::string>& name
   return columns;
 }
 
-// Seven numbers of which the last four are a rotation, line by line: a pose without a time.
+// True for lines of seven numbers of which the last four are a rotation: poses without times.
 bool are_poses_without_times(const TruthTable& table) {
   size_t rotations = 0;
   for (const TruthLine& line : table.lines) {
@@ -98,7 +98,7 @@ bool are_poses_without_times(const TruthTable& table) {
   return 10 * rotations > 9 * table.lines.size();
 }
 
-// Matrices over four lines each have a line 0 0 0 1 (7-Scenes, ScanNet, Redwood's .log).
+// True for matrices over four lines each, which have a line 0 0 0 1 (7-Scenes, ScanNet, Redwood's .log).
 bool are_matrices_over_lines(const TruthTable& table) {
   const auto is_last_row = [](const TruthLine& line) {
     if (line.fields.size() != 4) return false;
@@ -114,8 +114,9 @@ bool is_whole(const std::string& text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
-// The column of whole seconds if that of nanoseconds follows it, as ROS has them: by their names, or else the first two
-// of whole numbers since 1970 and below a billion.
+// Finds the column of whole seconds that a column of nanoseconds follows, as in ROS: by the names of the columns;
+// without names, the first two columns, if these are whole numbers of ten digits (since 1970) and of at most nine.
+// Returns nullopt if there are no such columns.
 std::optional<size_t> column_of_seconds(const TruthTable& table) {
   for (size_t i = 0; i + 1 < table.names.size() && table.names.size() == table.columns; ++i)
     if (holds(table.names[i], {"sec"}) && holds(table.names[i + 1], {"nsec", "nanosec"})) return i;
@@ -131,7 +132,7 @@ std::optional<size_t> column_of_seconds(const TruthTable& table) {
                                                                                      : std::nullopt;
 }
 
-// So that each line has one field for its time.
+// Joins the parts of a time, so that each line has one field for it.
 void join_seconds(TruthTable* table) {
   const std::optional<size_t> seconds = column_of_seconds(*table);
   if (!seconds) return;
@@ -204,7 +205,7 @@ std::optional<TruthTable> read_truth_table(const std::string& file) {
   }
   for (const auto& [columns, lines] : counts)
     if (table.columns == 0 || lines > counts[table.columns]) table.columns = columns;
-  // What stands in a comment names the columns if there are as many.
+  // A comment with as many words as there are columns names the columns.
   if (table.names.empty() && comment.size() == table.columns) table.names = comment;
   join_seconds(&table);
   return table;

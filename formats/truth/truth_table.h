@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The text of a truth as a table: lines of fields, whatever is between them, and what the columns are.
+// Reads the text of a truth as a table of lines and fields, with any separators, and finds out what its columns are.
 #pragma once
 
 #include <array>
@@ -10,31 +10,31 @@
 namespace rumi {
 
 struct TruthLine {
-  int number = 0;  // in the file
+  int number = 0;  // number of the line in the file, from 1
   std::vector<std::string> fields;
 };
 
 struct TruthTable {
   std::vector<TruthLine> lines;    // without comments and the line that names the columns
-  std::vector<std::string> names;  // of the columns, in lower case; empty if they are not named
-  size_t columns = 0;              // of most lines
-  bool has_commas = false;         // between the fields
+  std::vector<std::string> names;  // names of the columns, in lower case; empty if they are not named
+  size_t columns = 0;              // number of columns of most lines
+  bool has_commas = false;         // fields are separated by commas
 };
 
-// Nothing if the file cannot be read.
+// Returns nullopt if the file cannot be read.
 std::optional<TruthTable> read_truth_table(const std::string& file);
 
-// Where the parts of a pose are in a line.
+// The columns that hold the parts of a pose.
 struct TruthColumns {
-  std::optional<size_t> time;                       // none: poses are in the order of the images
+  std::optional<size_t> time;                       // nullopt: no times, the poses are in the order of the images
   std::array<size_t, 3> position = {};              // x y z
   std::optional<std::array<size_t, 4>> quaternion;  // w x y z
   std::optional<size_t> matrix;                     // the first of twelve numbers, three rows of four
   size_t count() const;                             // how many fields a line must have
 };
 
-// By the names of the columns, or else by their number. Nothing, and why in *error, if they are not those of a truth.
-// is_euroc: a quaternion without names begins with w.
+// Finds the columns by their names, else by how many there are. Returns nullopt, with the reason in *error, if they
+// cannot be those of a truth. `is_euroc`: a quaternion without names begins with w.
 std::optional<TruthColumns> find_columns(const TruthTable& table, bool is_euroc, std::string* error);
 
 }  // namespace rumi

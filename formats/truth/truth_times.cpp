@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLatestNumber = 1e8;  // as seconds three years; more is no number of an image
+constexpr double kLatestNumber = 1e8;  // three years in seconds; larger numbers are no numbers of images
 
 double usual_step_of(const std::vector<RawPose>& poses) {
   std::vector<double> times;
@@ -44,7 +44,7 @@ bool are_numbers_of_images(const std::vector<RawPose>& poses, const TruthOptions
 }
 
 TimeUnit unit_of(const std::vector<RawPose>& poses, const TruthOptions& options) {
-  // A time since 1970 is more than this, and less than the next unit's.
+  // Least value that a time since 1970 has in each of kTimeUnits.
   constexpr std::array kLeast = {0.0, 1e11, 1e14, 1e17};
   const auto [first, last] = std::minmax_element(
       poses.begin(), poses.end(), [](const RawPose& a, const RawPose& b) { return a.time.value < b.time.value; });

@@ -12,7 +12,7 @@
 namespace rumi {
 namespace {
 
-// Upright.
+// Returns the size of the upright picture.
 cv::Size size_of(const AVStream& stream) {
   const cv::Size stored(stream.codecpar->width, stream.codecpar->height);
   return quarter_turns(stream) % 2 == 0 ? stored : cv::Size(stored.height, stored.width);
@@ -32,7 +32,7 @@ std::string note_on_streams(const std::vector<const AVStream*>& streams, const A
       is_wanted ? "which is of the calibration's size" : "because none is larger");
 }
 
-// Nothing if they are square, or the file does not say.
+// Returns an empty string if pixels are square, or if the file does not say.
 std::string note_on_pixels(AVFormatContext* format, AVStream* stream) {
   const AVRational shape = av_guess_sample_aspect_ratio(format, stream, nullptr);
   if (shape.num <= 0 || shape.den <= 0 || shape.num == shape.den) return {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which stream of a video file is played, and what its header says of its pictures.
+// Chooses the stream of a video file, and reads what its header says about the pictures.
 #pragma once
 
 #include <filesystem>
@@ -12,10 +12,10 @@ namespace rumi {
 struct VideoChoice {
   int stream = -1;  // -1: the file is no video, or cannot be read
   bool is_interlaced = false;
-  std::vector<std::string> notes;  // of several streams, and of pixels that are not square
+  std::vector<std::string> notes;  // about several streams, and pixels that are not square
 };
 
-// The stream of one of the sizes that are wanted, else the largest; of equals the one that FFmpeg holds for the best.
+// Chooses a stream with one of the `wanted` sizes, else the largest; among equals, the one that FFmpeg finds best.
 // Pictures of the cover count only if there is nothing else.
 VideoChoice choose_video_stream(const std::filesystem::path& file, const std::vector<cv::Size>& wanted);
 

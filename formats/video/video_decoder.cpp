@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "formats/image/max_side.h"
+#include "slam/geometry/max_side.h"
 
 extern "C" {
 #include <libavutil/intreadwrite.h>
@@ -71,7 +71,7 @@ bool VideoDecoder::next() {
     }
     const AVPacket* packet = stream_->next();
     is_flushed_ = packet == nullptr;
-    // A packet that it does not take is damaged: the next one may be better.
+    // A packet that FFmpeg refuses is damaged: the next one may be better.
     avcodec_send_packet(codec_.get(), packet);
   }
   return false;

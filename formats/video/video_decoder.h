@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pictures of a video, one after the other (FFmpeg's libavcodec; OpenCV's reader tells neither when a picture is
-// shown nor that its size has changed, and makes 8 bits of 16).
+// Decodes the pictures of a video, one after the other, with FFmpeg's libavcodec. (OpenCV's reader tells neither when a
+// picture is shown nor that its size has changed, and makes 8 bits of 16.)
 #pragma once
 
 #include <cstdint>
@@ -20,22 +20,25 @@ namespace rumi {
 
 class VideoDecoder {
  public:
-  // Null if the file has no such stream (see VideoStream), or this FFmpeg cannot decode it.
+  // Returns nullptr if the file has no such stream (see VideoStream), or this FFmpeg cannot decode it.
   static std::unique_ptr<VideoDecoder> open(const std::filesystem::path& file, int stream);
 
-  // To the next picture, in the order of showing. False after the last one; what cannot be decoded is passed over.
+  // Decodes the next picture, in the order of showing. Returns false after the last one. Packets that cannot be decoded
+  // are skipped.
   bool next();
 
-  // FFmpeg found the present picture damaged: it has guessed a part of it.
+  // True if FFmpeg found the present picture damaged and has guessed a part of it.
   bool is_damaged() const;
-  // The present picture says that its rows are of two moments in turn.
+  // True if the present picture says that it is interlaced: its rows are of two moments in turn.
   bool is_interlaced() const;
-  // Of the present picture: its time of showing, as it is stored in its packet.
+  // Returns the present picture's time of showing, as stored in its packet; nullopt if it has none.
   std::optional<int64_t> stamp() const { return usable_time(frame_->pts); }
-  // The same where only some packets have such a time: what FFmpeg makes of it.
+  // Returns the time of showing that FFmpeg computes, for files in which only some packets have one; nullopt if it has
+  // none either.
   std::optional<int64_t> likely_stamp() const { return usable_time(frame_->best_effort_timestamp); }
-  // The right way up. Grey of more than 8 bits: 16 bits, the values as they are stored. All else: 8 bits, BGR if colour
-  // is wanted and there, else grey. Empty if the pixels are of a kind that cannot be converted.
+  // Returns the present picture, upright. Grey of more than 8 bits gives 16 bits, with the values as stored. Other
+  // pictures give 8 bits: BGR if they have colour and `colour` is true, else grey. Empty if pixels of this kind cannot
+  // be converted.
   cv::Mat pixels(bool colour);
 
  private:

@@ -22,33 +22,25 @@ class VideoReader : public FrameReader {
         range_(range) {
     if (times_.utimes.empty()) return;
     begin();
-    // Some files only say it in their pictures.
-    if (go_to(0).empty() && decoder_->is_interlaced()) choice_.is_interlaced = true;
+    // Some files tell only in their pictures that they are interlaced.
+    if (go_to(0) && decoder_->is_interlaced()) choice_.is_interlaced = true;
   }
   bool opened() const { return decoder_ != nullptr; }
 
   const std::vector<int64_t>& utimes() const override { return times_.utimes; }
   std::string why_no_times() const override { return times_.has_times ? "" : "the images of the video have no times"; }
   std::string where(size_t frame) const override { return fmt::format("{}: frame {}", file_, frame); }
-  std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
-    if (const std::string problem = go_to(frame); !problem.empty()) {
-      *error = problem;
-      return std::nullopt;
-    }
-    if (decoder_->is_damaged()) {
-      *error = where(frame) + ": is damaged (FFmpeg had to guess a part of it)";
-      return std::nullopt;
-    }
+  Result<image_t> load(size_t frame, bool colour) override {
+    if (const Result<> decoded = go_to(frame); !decoded) return decoded.error();
+    if (decoder_->is_damaged()) return Error{"is damaged (FFmpeg had to guess a part of it)", where(frame)};
     cv::Mat pixels = decoder_->pixels(colour);
-    if (pixels.empty()) {
-      *error = where(frame) + ": its pixels are of a kind that cannot be converted";
-      return std::nullopt;
-    }
+    if (pixels.empty()) return Error{"its pixels are of a kind that cannot be converted", where(frame)};
     if (pixels.depth() == CV_16U) pixels = to_8_bit(pixels, range());
     return pixels.channels() == 1 ? make_grey_image(0, pixels) : make_rgb_image(0, pixels);
   }
   bool loads_any_frame_alone() const override { return false; }
-  // Some recorders leave out images that repeat the one before, but their headers count them.
+  // Counts missing images only if the file ends early: some recorders leave out images that repeat the one before, and
+  // still count them in the header.
   int64_t missing_at_end() const override {
     return are_fewer() && times_.ends_early ? times_.promised - times_.stored : 0;
   }
@@ -77,20 +69,22 @@ class VideoReader : public FrameReader {
     next_ = 0;
   }
 
-  // Decodes up to the frame. Returns why it cannot be decoded, or an empty string.
-  std::string go_to(size_t frame) {
+  // Decodes up to this frame. An Error if it cannot be decoded.
+  Result<> go_to(size_t frame) {
     if (is_at_ && *is_at_ > frame && frame < begin_of_gap_) begin();
     while (decoder_ && (!is_at_ || *is_at_ < frame)) {
       if (!decoder_->next())
-        return fmt::format("{}: it ends after {} of {} images: is it cut off?", file_, next_, times_.utimes.size());
+        return Error{fmt::format("it ends after {} of {} images: is it cut off?", next_, times_.utimes.size()), file_};
       begin_of_gap_ = next_;
       is_at_ = number_of_picture();
       next_ = *is_at_ + 1;
     }
-    return is_at_ == frame ? "" : where(frame) + ": could not be decoded";
+    if (is_at_ != frame) return Error{"could not be decoded", where(frame)};
+    return {};
   }
 
-  // Where the decoder is: some before it may be missing. Without times they count.
+  // Returns the number of the picture that the decoder has now, by its time: pictures before it may be missing. Without
+  // times, pictures are counted.
   size_t number_of_picture() const {
     const std::optional<int64_t> stamp = decoder_->stamp();
     const auto from = times_.stamps.begin() + static_cast<std::ptrdiff_t>(std::min(next_, times_.stamps.size()));
@@ -116,7 +110,7 @@ class VideoReader : public FrameReader {
   std::optional<GreyRange> range_;
   std::unique_ptr<VideoDecoder> decoder_;
   std::optional<size_t> is_at_;  // the picture that the decoder has
-  size_t begin_of_gap_ = 0;      // this one to is_at_ could not be decoded
+  size_t begin_of_gap_ = 0;      // frames from this one to is_at_ could not be decoded
   size_t next_ = 0;
 };
 
@@ -126,14 +120,11 @@ OpenedReader open_video(const std::filesystem::path& file, std::optional<GreyRan
                         const std::vector<cv::Size>& wanted) {
   auto reader = std::make_unique<VideoReader>(file.string(), grey_range, wanted);
   if (const std::string why = reader->opened() ? "" : why_no_video(file); !why.empty())
-    return {nullptr, fmt::format("{}: {}", file.string(), why)};
+    return Error{why, file.string()};
   if (!reader->opened())
-    return {
-        nullptr,
-        fmt::format("{}: is neither an lcm log, a ROS bag nor a video that can be decoded; give a dataset folder, an "
-                    "image folder, a video, an lcm log or a ROS bag",
-                    file.string())};
-  return {std::move(reader), ""};
+    return Error{"is neither an lcm log, a ROS bag nor a video that can be decoded", file.string(),
+                 "give a dataset folder, an image folder, a video, an lcm log or a ROS bag"};
+  return OpenedReader(std::move(reader));
 }
 
 }  // namespace rumi

@@ -15,7 +15,7 @@ extern "C" {
 namespace rumi {
 namespace {
 
-// Null if the video does not say how it was held.
+// Returns nullptr if the video does not say how the camera was held.
 const int32_t* display_matrix(const AVStream& stream) {
 #if LIBAVFORMAT_VERSION_INT >= AV_VERSION_INT(60, 15, 100)
   const AVCodecParameters& parameters = *stream.codecpar;
@@ -35,10 +35,10 @@ VideoStream::VideoStream(VideoFormat format, int index)
 VideoFormat open_video_format(const std::filesystem::path& file) {
   log_what_ffmpeg_says();
   AVFormatContext* opened = nullptr;
-  // "file:" so that a name with a colon is no protocol.
+  // The prefix keeps FFmpeg from taking a name with a colon for a protocol.
   if (avformat_open_input(&opened, ("file:" + file.string()).c_str(), nullptr, nullptr) < 0) return nullptr;
   VideoFormat format(opened);
-  if (std::string_view(format->iformat->name) == "tty") return nullptr;  // any text
+  if (std::string_view(format->iformat->name) == "tty") return nullptr;  // FFmpeg takes any text for such a video
   if (avformat_find_stream_info(format.get(), nullptr) < 0) return nullptr;
   return format;
 }
@@ -53,7 +53,7 @@ std::unique_ptr<VideoStream> VideoStream::open(const std::filesystem::path& file
 
 const AVPacket* VideoStream::next() {
   while (packet_) {
-    av_packet_unref(packet_.get());  // FFmpeg would leave what it holds
+    av_packet_unref(packet_.get());  // FFmpeg does not free what the packet holds
     if (av_read_frame(format_.get(), packet_.get()) < 0) return nullptr;
     note_end();
     if (packet_->stream_index == index_) return packet_.get();
@@ -69,7 +69,7 @@ void VideoStream::note_end() {
   end_us_ = std::max(end_us_, av_rescale_q(*begin + length, stream.time_base, AVRational{1, 1'000'000}));
 }
 
-// FFmpeg's own guesses from the size and from what is there do not count.
+// Takes the length only if the header gives it, and not FFmpeg's own guesses from the size and from the packets.
 int64_t VideoStream::promised_us() const {
   const bool is_said = std::string_view(format_->iformat->name).starts_with("matroska") && format_->duration > 0 &&
                        format_->duration_estimation_method == AVFMT_DURATION_FROM_STREAM;
@@ -90,7 +90,7 @@ int quarter_turns(const AVStream& stream) {
 }
 
 std::optional<int64_t> usable_time(int64_t stored) {
-  constexpr int64_t kMost = int64_t{1} << 61;  // so that a difference is a number
+  constexpr int64_t kMost = int64_t{1} << 61;  // limits times, so that differences do not overflow
   return stored < -kMost || stored > kMost ? std::nullopt : std::optional(stored);
 }
 

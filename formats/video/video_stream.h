@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a video file has stored, packet by packet, not decoded (FFmpeg's libavformat).
+// Reads the packets that a video file stores, without decoding them (FFmpeg's libavformat).
 #pragma once
 
 #include <cstdint>
@@ -17,23 +17,23 @@ struct CloseVideoFormat {
   void operator()(AVFormatContext* format) const { avformat_close_input(&format); }
 };
 using VideoFormat = std::unique_ptr<AVFormatContext, CloseVideoFormat>;
-// Null if it is no video, or cannot be read.
+// Opens a file; nullptr if it is no video, or cannot be read.
 VideoFormat open_video_format(const std::filesystem::path& file);
 
 class VideoStream {
  public:
-  // Null if the file has no stream of images of that number, or cannot be read.
+  // Returns nullptr if the file has no stream of images of that number, or cannot be read.
   static std::unique_ptr<VideoStream> open(const std::filesystem::path& file, int number);
 
-  // The next packet, valid until the next call; null after the last one.
+  // Returns the next packet, valid until the next call; nullptr after the last one.
   const AVPacket* next();
 
   const AVStream& stream() const { return *format_->streams[index_]; }
-  // How long the file is by its own header, all its streams together; 0 if it does not say.
+  // Returns the length of the file, over all streams, by its own header; 0 if the header does not say.
   int64_t promised_us() const;
-  // The end of what was read so far, of all streams.
+  // Returns the latest end of all packets that were read so far, over all streams.
   int64_t end_us() const { return end_us_; }
-  // It has no container: FFmpeg counts its frames at 25 Hz, whatever they are.
+  // True if the file has no container: FFmpeg then counts its frames at 25 Hz, whatever their rate is.
   bool is_bare() const;
 
  private:
@@ -50,10 +50,10 @@ class VideoStream {
   std::unique_ptr<AVPacket, FreePacket> packet_;
 };
 
-// How often its pictures are turned by 90 degrees counter-clockwise to be upright, 0 to 3: phones say so.
+// Returns how often pictures must be turned by 90 degrees counter-clockwise to be upright, 0 to 3; phones store that.
 int quarter_turns(const AVStream& stream);
 
-// Of a packet or a picture, in the unit of its stream; nothing if there is none.
+// Returns the stored time of a packet or a picture, in the unit of its stream; nullopt if it has none.
 std::optional<int64_t> usable_time(int64_t stored);
 
 }  // namespace rumi

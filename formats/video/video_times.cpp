@@ -15,8 +15,9 @@ struct PacketTimes {
   int64_t shown = 0, decoded = 0;
 };
 
-// The order of showing differs from that of decoding, by more than a second where the recorder paused. Times of
-// decoding rise: where they go back by so much the clock began anew, and that stays.
+// Sorts the times of showing. Their order differs from that of decoding, by more than a second if the recorder paused.
+// Times of decoding rise: if they go back by more than `began_anew`, the clock began anew, and earlier pictures stay
+// before later ones.
 std::vector<int64_t> sorted_as_shown(const std::vector<PacketTimes>& packets, int64_t began_anew) {
   std::vector<int64_t> stamps;
   size_t begin = 0;
@@ -34,16 +35,17 @@ std::vector<int64_t> sorted_as_shown(const std::vector<PacketTimes>& packets, in
   return stamps;
 }
 
-constexpr double kFarthest = 1e18;  // of a time, in any unit
+constexpr double kFarthest = 1e18;  // farthest time, in any unit
 
-// Linearly between those that are known, by the usual step beyond them. False if fewer than two are.
+// Interpolates linearly between known times, and continues with the usual step beyond them. Returns false if fewer than
+// two are known.
 bool fill_gaps(const std::vector<std::optional<int64_t>>& stamps, std::vector<int64_t>* filled) {
   std::vector<size_t> known;
   for (size_t i = 0; i < stamps.size(); ++i)
     if (stamps[i]) known.push_back(i);
   filled->assign(stamps.size(), 0);
   if (known.size() < 2) return false;
-  size_t after = 1;  // of `known`: the line goes through it and the one before it
+  size_t after = 1;  // index in `known`: the line goes through this time and the one before it
   for (size_t i = 0; i < stamps.size(); ++i) {
     while (after + 1 < known.size() && known[after] < i) ++after;
     const auto from = known[after - 1], to = known[after];
@@ -56,7 +58,8 @@ bool fill_gaps(const std::vector<std::optional<int64_t>>& stamps, std::vector<in
   return true;
 }
 
-// Of the pictures as the decoder gives them, which is the order of showing. False if they have no times.
+// Reads the times of the pictures as the decoder gives them, in the order of showing. Returns false if they have no
+// times.
 bool stamps_by_decoding(const std::filesystem::path& file, int stream, std::vector<int64_t>* stamps) {
   std::vector<std::optional<int64_t>> likely;
   const std::unique_ptr<VideoDecoder> decoder = VideoDecoder::open(file, stream);

@@ -16,12 +16,12 @@ namespace {
 using Matrix23d = Eigen::Matrix<double, 2, 3>;
 using Matrix26d = Eigen::Matrix<double, 2, 6>;
 
-// Of a projection, by the point in the camera's frame: in units of the keypoint's noise.
+// Returns the derivative of a projection by the point in the camera's frame, in units of the keypoint's noise.
 Matrix23d derivative_by_point(const Camera& camera, double sigma_px, const Eigen::Vector3d& p) {
   return WhitenedProjection(camera, Eigen::Vector2d::Zero(), sigma_px, Eigen::Matrix2d::Identity()).derivative(p);
 }
 
-// exp(twist) moves the point by translation + rotation x point.
+// Returns the derivative by a twist: exp(twist) moves p by its translation + its rotation x p.
 Matrix26d derivative_by_twist(const Matrix23d& by_point, const Eigen::Vector3d& p) {
   Matrix26d a;
   a << by_point, -by_point * skew(p);
@@ -29,7 +29,7 @@ Matrix26d derivative_by_twist(const Matrix23d& by_point, const Eigen::Vector3d& 
 }
 
 double image_uncertainty_px(const Camera& camera, const Matrix6d& twist_covariance, double depth) {
-  constexpr double kPlaces[] = {0.1, 0.5, 0.9};  // of the image's width and height
+  constexpr double kPlaces[] = {0.1, 0.5, 0.9};  // places in the image, as shares of its width and height
   double variance = 0;
   for (const double u : kPlaces)
     for (const double v : kPlaces) {
@@ -40,7 +40,7 @@ double image_uncertainty_px(const Camera& camera, const Matrix6d& twist_covarian
   return std::sqrt(variance);
 }
 
-// What a keypoint tells of the twist, being taken for a landmark whose own place is not known exactly.
+// Returns the information that a keypoint gives about the twist, lowered by the uncertainty of the landmark's position.
 Matrix6d sight_of(const Camera& camera, const SE3& cam_from_submap, const Landmark& landmark, double sigma_px) {
   const Eigen::Vector3d p = cam_from_submap * landmark.position;
   if (!(p.z() > 1e-6)) return Matrix6d::Zero();
@@ -52,7 +52,7 @@ Matrix6d sight_of(const Camera& camera, const SE3& cam_from_submap, const Landma
   return by_twist.transpose() * covariance.inverse() * by_twist;
 }
 
-// About one axis.
+// Returns the variance of the rotation about one axis.
 double rotation_variance(const Matrix6d& twist_covariance) {
   return twist_covariance.bottomRightCorner<3, 3>().trace() / 3;
 }
@@ -64,7 +64,7 @@ Matrix6d invert(const Matrix6d& information) {
 }  // namespace
 
 Matrix6d second_twist_covariance(const Camera& camera, const FreeStructure& structure) {
-  // The reduced system of all views but the first: each point is whatever suits all its views best.
+  // The information about all views but the first, from which the points are eliminated (Schur complement).
   const auto size = static_cast<Eigen::Index>(6 * (structure.cam_from_structure.size() - 1));
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
   struct Part {
@@ -102,7 +102,7 @@ Matrix6d second_twist_covariance(const Camera& camera, const FreeStructure& stru
 
 Eigen::Matrix3d position_covariance(const SE3& cam_from_submap, const Matrix6d& twist_covariance) {
   const Eigen::Matrix3d r = cam_from_submap.rotation.toRotationMatrix();
-  // exp(twist) moves the centre -R^T t by -R^T translation.
+  // The twist moves the centre -R^T t by -R^T times its translation.
   return r.transpose() * twist_covariance.topLeftCorner<3, 3>() * r;
 }
 
@@ -122,7 +122,7 @@ PoseCertainty certainty_of(const Submap& submap, const std::vector<double>& octa
     const double sigma_px = octave_scales[frame.features->keypoints[i].octave];
     const Matrix6d added = sight_of(submap.camera, frame.cam_from_submap, *lm, sigma_px);
     information += added;
-    // What tells of the position tells of the scale.
+    // Landmarks count for the scale as they count for the position: both are determined together.
     const double weight = added.topLeftCorner<3, 3>().trace();
     weights += weight;
     scale_variance += weight * lm->log_scale_variance;
@@ -155,11 +155,12 @@ double log_scale_variance_between(const FrontSubmap& submap, int newer_keyframe,
 
 PoseSigmas sigmas_of(const FrontSubmap& submap, const Frame& frame) {
   const Matrix6d& c = frame.certainty.twist_covariance;
-  // exp(twist) moves the centre by a rotated translation, which leaves the trace as it is.
+  // The twist moves the centre by its translation, only rotated: the trace stays the same.
   double position = c.topLeftCorner<3, 3>().trace() / 3, rotation = rotation_variance(c);
-  constexpr double kNothing = 1e10;  // what invert() makes of no information is more
+  constexpr double kNothing = 1e10;  // a larger variance means no information; see invert()
   if (!(position > 0 && position < kNothing && rotation > 0 && rotation < kNothing)) return {};
-  // A keyframe is its own reference: those around it are known about as well.
+  // A keyframe is its own reference. Its own covariance then stands for that of its neighbours, which are known about
+  // as well.
   const auto known = submap.certainty.find(frame.reference_keyframe);
   if (known != submap.certainty.end()) {
     position += known->second.position_covariance.trace() / 3;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How well a frame's pose, and the submap's scale where it is, are known.
+// Computes how well a frame's pose and the submap's scale at the frame are known.
 #pragma once
 
 #include "front_tracker/frame/front_submap.h"
 
 namespace rumi::front_tracker {
 
-// A structure by itself: views, and points that nothing but they tell of.
+// A structure that depends on nothing else: views, and points that only these views observe.
 struct FreeStructure {
   struct Sight {
     size_t view = 0;
@@ -16,33 +16,34 @@ struct FreeStructure {
     Eigen::Vector3d position;
     std::vector<Sight> sights;
   };
-  std::vector<SE3> cam_from_structure;  // of each view, at least two
+  std::vector<SE3> cam_from_structure;  // by view; at least two
   std::vector<Point> points;
 };
-// Covariance of the twist in exp(twist) * cam_from_structure of the second view against the first, the distance of the
-// two being the unit of length.
+// Returns the covariance of the twist in exp(twist) * cam_from_structure of the second view, if the first view is fixed
+// and the distance of the two is the unit of length.
 Matrix6d second_twist_covariance(const Camera& camera, const FreeStructure& structure);
-// Of the distance between two places beside its length, from the covariance of the one, in their frame.
+// Returns the variance of the logarithm of a baseline's length, from the covariance of one end, in the same frame.
 double log_length_variance(const Eigen::Vector3d& baseline, const Eigen::Matrix3d& position_covariance);
-// Of the camera's centre, in the submap.
+// Returns the covariance of the camera's centre, in the submap.
 Eigen::Matrix3d position_covariance(const SE3& cam_from_submap, const Matrix6d& twist_covariance);
 
-// Of a frame with a pose and matches; `views` tell of the pose, too.
+// Returns the certainty of a frame with a pose and matches. The epipolar matches of `views` count too.
 PoseCertainty certainty_of(const Submap& submap, const std::vector<double>& octave_scales, const Frame& frame,
                            const std::vector<EpipolarView>& views = {});
 
-// The variance that the scale of landmarks has which are made between two keyframes: what the newer one carries, and
-// how well the distance between the two is known beside its length.
+// Returns the variance of the log scale of landmarks that are made between two keyframes: the variance at the newer
+// one, plus that of the logarithm of their baseline's length.
 double log_scale_variance_between(const FrontSubmap& submap, int newer_keyframe, int older_keyframe);
-// How well the distance between two keyframes is known beside its length: variance of its logarithm.
+// Returns the variance of the logarithm of the distance between two keyframes.
 double log_baseline_variance(const FrontSubmap& submap, int keyframe_a, int keyframe_b);
 
-// Of a frame with a certainty and a reference keyframe, as it is told to others. Not known without a covariance. A
-// landmark's covariance supposes that its keyframes are where they are, but they are known no better than frames are:
-// so what was known of the reference keyframe is added. The first ones of a submap say where it is.
+// Returns the sigmas that are published for a frame with a certainty and a reference keyframe; unknown ones without a
+// covariance. The frame's covariance takes the landmarks' keyframes as exact, so the covariance of the reference
+// keyframe is added. The first keyframes define the submap's frame and are exact.
 PoseSigmas sigmas_of(const FrontSubmap& submap, const Frame& frame);
 
-// Of a new keyframe, with the certainty of its frame: from now on its landmarks are known by it, too.
+// Stores the certainty of a new keyframe, which is that of its frame. Lowers the log_scale_variance of a landmark that
+// it observes if the baseline to the landmark's host determines it better.
 void note_certainty(int keyframe_id, const PoseCertainty& certainty, FrontSubmap* submap);
 
 }  // namespace rumi::front_tracker

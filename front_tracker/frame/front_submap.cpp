@@ -9,32 +9,21 @@
 namespace rumi::front_tracker {
 
 FrontSubmap::FrontSubmap(Submap known, SubmapKey key) : map(std::move(known)), octave_scales(map.pyramid.scales()) {
-  map.key = key;
-  map.kind = SubmapKind::kFront;
-  map.closed = false;
-  map.revision = 1;
-  map.removed_keyframes = map.removed_landmarks = {};
-  for (auto& [id, kf] : map.keyframes) {
-    kf.revision = kf.created_revision = map.revision;
+  map.begin_front_submap(key);
+  for (const auto& [id, kf] : map.keyframes) {
     grids[id] = KeypointGrid(kf.features->undistorted, map.camera);
     next_keyframe_ = id + 1;
   }
-  for (auto& [id, lm] : map.landmarks) {
-    lm.revision = map.revision;
-    next_landmark_ = id + 1;
-  }
-  for (auto& [utime_us, frame] : map.frames) frame.revision = map.revision;
+  for (const auto& [id, lm] : map.landmarks) next_landmark_ = id + 1;
 }
 
 Keyframe& FrontSubmap::add_keyframe(Frame* frame) {
   const int id = next_keyframe_++;
-  Keyframe& kf = map.keyframes[id];
-  kf.id = id;
-  kf.utime_us = frame->utime_us;
-  kf.cam_from_submap = frame->cam_from_submap;
-  kf.features = frame->features;
-  kf.landmark_ids.assign(frame->features->size(), kNone);
-  kf.revision = kf.created_revision = map.stamp();
+  Keyframe& kf = map.add_keyframe({.id = id,
+                                   .utime_us = frame->utime_us,
+                                   .cam_from_submap = frame->cam_from_submap,
+                                   .features = frame->features,
+                                   .landmark_ids = {}});
   grids[id] = frame->grid;
   if (frame->images) images[id] = frame->images;
   for (size_t i = 0; i < frame->landmark_ids.size(); ++i) {
@@ -49,17 +38,14 @@ Keyframe& FrontSubmap::add_keyframe(Frame* frame) {
 }
 
 void FrontSubmap::add_frame(const Frame& frame) {
-  map.frames[frame.utime_us] = {frame.utime_us, frame.reference_keyframe, frame.cam_from_keyframe, map.stamp(),
-                                sigmas_of(*this, frame)};
+  map.set_frame({.utime_us = frame.utime_us,
+                 .reference_keyframe = frame.reference_keyframe,
+                 .cam_from_keyframe = frame.cam_from_keyframe,
+                 .sigmas = sigmas_of(*this, frame)});
 }
 
 Landmark& FrontSubmap::add_landmark(const Eigen::Vector3d& position) {
-  const int id = next_landmark_++;
-  Landmark& lm = map.landmarks[id];
-  lm.id = id;
-  lm.position = position;
-  map.touch(lm);
-  return lm;
+  return map.add_landmark(next_landmark_++, position);
 }
 
 void FrontSubmap::remove_keyframe(int id, int heir) {
@@ -73,15 +59,12 @@ void FrontSubmap::remove_keyframe(int id, int heir) {
 void FrontSubmap::cut_end(int64_t utime_us) {
   const auto is_older = [&](const auto& kf) { return kf.second.utime_us < utime_us; };
   const int heir = std::find_if(map.keyframes.rbegin(), map.keyframes.rend(), is_older)->first;
-  map.frames.erase(map.frames.lower_bound(utime_us), map.frames.end());
+  map.remove_frames_from(utime_us);
   while (!is_older(*map.keyframes.rbegin())) remove_keyframe(map.keyframes.rbegin()->first, heir);
   std::vector<int> unseen;
   for (const auto& [id, lm] : map.landmarks)
     if (lm.observations.size() < 2) unseen.push_back(id);
   for (int id : unseen) map.remove_landmark(id);
-  // An update does not say which frames go: copies get the submap as a whole.
-  map.removed_keyframes.forget(map.stamp());
-  map.removed_landmarks.forget(map.revision);
 }
 
 size_t FrontSubmap::forget_left_out(const ImageMask& mask) {
@@ -107,11 +90,14 @@ void FrontSubmap::keep_images(size_t n) {
   while (images.size() > n) {
     const int id = images.begin()->first;
     images.erase(images.begin());
-    if (moved_.erase(id) == 0) continue;
-    Keyframe& kf = *map.keyframe(id);
-    map.touch(kf);
-    kf.created_revision = kf.revision;  // its features are sent again
+    if (moved_.erase(id) > 0) map.renew_features(id);
   }
+}
+
+void FrontSubmap::close() {
+  if (map.closed) return;
+  map.close();
+  keep_images(0);
 }
 
 }  // namespace rumi::front_tracker

@@ -12,44 +12,48 @@
 
 namespace rumi::front_tracker {
 
-// What was known of a keyframe's place when it was made (frame/certainty.h).
+// How well a keyframe's pose was known when it was made (frame/certainty.h).
 struct KeyframeCertainty {
-  Eigen::Matrix3d position_covariance;  // in the submap
+  Eigen::Matrix3d position_covariance;  // covariance of the camera's centre, in the submap
   double log_scale_variance = 0;
-  double rotation_variance = 0;  // about one axis
+  double rotation_variance = 0;  // variance of the rotation about one axis
 };
 
-// A submap under construction: the submap itself and what only its maker needs.
+// A submap under construction, with the data that only its maker needs.
 struct FrontSubmap {
   FrontSubmap() = default;
-  // One that goes on from what another submap knows, as front submap `key`. Everything is new in it.
+  // Begins the front submap `key` as a copy of another submap. All its elements count as new.
   FrontSubmap(Submap known, SubmapKey key);
 
   Submap map;
-  std::vector<double> octave_scales;           // of the map's pyramid
-  std::map<int, KeyframeCertainty> certainty;  // of the keyframes
-  std::map<int, KeypointGrid> grids;           // of the keyframes, over undistorted pixels
-  // Of the latest keyframes, while they may still be aligned with each other.
+  std::vector<double> octave_scales;           // Pyramid::scales() of map.pyramid
+  std::map<int, KeyframeCertainty> certainty;  // by keyframe
+  std::map<int, KeypointGrid> grids;           // by keyframe; they find keypoints by their undistorted pixels
+  // The images of the latest keyframes, while they may still be aligned with each other.
   std::map<int, std::shared_ptr<const ImagePyramid>> images;
-  std::vector<std::pair<int, int>> recent_landmarks;  // id, keyframe that made it: still on probation
+  std::vector<std::pair<int, int>> recent_landmarks;  // landmarks on probation: id, and keyframe that made it
 
-  // A keyframe at the frame's pose, observing what the frame is matched to; the frame hangs on it afterwards.
+  // Adds a keyframe at the frame's pose that observes the frame's matches. It becomes the frame's reference.
   Keyframe& add_keyframe(Frame* frame);
-  // The pose of a frame that hangs on a keyframe, with its certainty.
+  // Adds the pose of a frame that refers to a keyframe, with its sigmas.
   void add_frame(const Frame& frame);
   Landmark& add_landmark(const Eigen::Vector3d& position);
   void remove_keyframe(int id, int heir);
-  // Takes out the frames from `utime_us` on, with what only their keyframes saw. At least one keyframe must be older.
+  // Removes the frames from `utime_us` on, and the landmarks that only the keyframes among them observe. At least one
+  // keyframe must be older.
   void cut_end(int64_t utime_us);
-  // Removes the landmarks that most of their keyframes saw where the mask leaves something out. Returns their number.
+  // Removes each landmark that most of its keyframes observe at pixels that the mask leaves out. Returns the number of
+  // removed landmarks.
   size_t forget_left_out(const ImageMask& mask);
-  // Some of the keyframe's keypoints are elsewhere than they were.
+  // To be called after some of the keyframe's keypoints were moved.
   void keypoints_moved(int keyframe_id);
-  // Keeps the newest `n` images; what became of the keypoints of the others is final.
+  // Keeps the newest `n` images. The keypoints of older keyframes do not move any more.
   void keep_images(size_t n);
+  // Marks the submap as complete.
+  void close();
 
  private:
-  std::set<int> moved_;  // keyframes with keypoints that were moved since they were made
+  std::set<int> moved_;  // keyframes with moved keypoints
   int next_keyframe_ = 0;
   int next_landmark_ = 0;
 };

@@ -14,7 +14,7 @@ constexpr int kColumns = 12;
 void weigh_by_area(const Camera& camera, std::vector<PointObservation>* observations) {
   const double cell_px = static_cast<double>(camera.width) / kColumns;
   const int rows = static_cast<int>(std::ceil(camera.height / cell_px));
-  // Undistorted pixels may lie beside the image, or nowhere.
+  // Undistorted pixels may lie outside the image or be NaN.
   const auto along = [&](double pixel, int cells) {
     return pixel > 0 ? static_cast<int>(std::min(pixel / cell_px, cells - 1.0)) : 0;
   };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How much each landmark counts for a frame's pose. Many landmarks close together in the image are on one thing: they
-// err together, and if it moves, they move together. So each part of the image has one voice, however many landmarks
-// are in it: a lorry full of lettering does not outvote a street with few corners.
+// Weights the landmarks for a frame's pose. Many landmarks close together in the image are usually on one object: they
+// have errors in common, and move together if it moves. So each part of the image has the same weight, however many
+// landmarks it has: a lorry full of lettering does not outvote a street with few corners.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace rumi::front_tracker {
 
-// Sets the weights: the same sum for each square cell of the image that has an observation, 1 in the mean over the
-// observations.
+// Sets the weights. They have the same sum in each square cell of the image that has an observation, and a mean of 1
+// over all observations.
 void weigh_by_area(const Camera& camera, std::vector<PointObservation>* observations);
 
 }  // namespace rumi::front_tracker

@@ -13,10 +13,10 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr size_t kMostBetween = 10;        // frames between the two that are asked whether they agree
-constexpr size_t kMostPosePoints = 200;    // to find a frame's pose with
-constexpr size_t kMostBundlePoints = 400;  // in bundle adjustment; the others follow from its poses
-constexpr double kOutlierChi2 = 5.991;     // 95 % of a 2-D normal distribution
+constexpr size_t kMostBetween = 10;        // frames between the two frames that check the structure, at most
+constexpr size_t kMostPosePoints = 200;    // points that a frame's pose is found with, about
+constexpr size_t kMostBundlePoints = 400;  // points in bundle adjustment; the others are triangulated afterwards
+constexpr double kOutlierChi2 = 5.991;     // squared error of an outlier, at least, in sigma^2 (95 % in 2-D)
 
 }  // namespace
 
@@ -53,7 +53,7 @@ BundleProblem::Observation InitialStructure::observation(size_t view, size_t poi
           input_->octave_scales[features.keypoints[keypoint].octave]};
 }
 
-// From a neighbour's pose; nothing if most points do not agree.
+// Finds the frame's pose, starting from a neighbour's. Returns nullopt if fewer than half of the points agree.
 std::optional<SE3> InitialStructure::resect_frame(size_t frame, const SE3& neighbour) const {
   const std::vector<int> keypoints = keypoints_in(frame);
   const Features& features = *input_->frames[frame].features;
@@ -68,7 +68,7 @@ std::optional<SE3> InitialStructure::resect_frame(size_t frame, const SE3& neigh
   return enough ? std::optional(pose.cam_from_submap) : std::nullopt;
 }
 
-bool InitialStructure::add_views_between() {
+Result<> InitialStructure::add_views_between() {
   const size_t last = input_->frames.size() - 1;
   const size_t step = std::max<size_t>(1, (last - input_->reference) / kMostBetween);
   size_t tried = 0;
@@ -81,9 +81,8 @@ bool InitialStructure::add_views_between() {
     views_.push_back(make_view(f, *pose));
   }
   const size_t agreeing = views_.size() - 2;
-  if (2 * agreeing >= tried) return true;
-  refusal_ = fmt::format("only {} of {} frames between agree", agreeing, tried);
-  return false;
+  if (2 * agreeing < tried) return Error{fmt::format("only {} of {} frames between agree", agreeing, tried)};
+  return {};
 }
 
 BundleProblem InitialStructure::as_it_is() const {
@@ -106,7 +105,7 @@ double InitialStructure::error_px() const {
   return std::sqrt(sum / static_cast<double>(std::max<size_t>(1, count)));
 }
 
-// Bundle adjustment of all views and the chosen points.
+// Adjusts all views and the chosen points. Returns false if they cannot be adjusted.
 bool InitialStructure::solve(const std::vector<size_t>& chosen, int iterations) {
   BundleProblem problem;
   for (const View& view : views_) problem.views.push_back({view.cam_from_reference, problem.views.empty()});
@@ -132,16 +131,13 @@ void InitialStructure::sort_out() {
                             reprojection_chi2(input_->camera, problem, observation(v, p)) <= kOutlierChi2;
 }
 
-bool InitialStructure::adjust() {
+Result<> InitialStructure::adjust() {
   std::vector<size_t> chosen;
   std::vector<bool> solved(points_.size(), false);
   const size_t wanted = std::min(points_.size(), kMostBundlePoints);
   for (size_t i = 0; i < wanted; ++i) chosen.push_back(i * points_.size() / wanted);
   for (size_t p : chosen) solved[p] = true;
-  if (!solve(chosen, 15)) {
-    refusal_ = "the first bundle adjustment failed";
-    return false;
-  }
+  if (!solve(chosen, 15)) return Error{"the first bundle adjustment failed"};
   sort_out();
   solve(chosen, 15);
   for (size_t p = 0; p < points_.size(); ++p) {
@@ -154,9 +150,9 @@ bool InitialStructure::adjust() {
 
   int in_both = 0;
   for (size_t p = 0; p < points_.size(); ++p) in_both += views_[0].agrees[p] && views_[1].agrees[p];
-  if (in_both >= input_->options.two_view.min_points) return true;
-  refusal_ = fmt::format("{} points left after bundle adjustment", in_both);
-  return false;
+  if (in_both < input_->options.two_view.min_points)
+    return Error{fmt::format("{} points left after bundle adjustment", in_both)};
+  return {};
 }
 
 double InitialStructure::direction_sigma_rad() const {
@@ -187,7 +183,7 @@ InitialMap InitialStructure::finish() const {
   const Sim3 unit_from_reference(1.0 / median(&depths), Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero());
 
   InitialMap map;
-  // The two ends and an even choice of what lies between become keyframes; the other views only lend their poses.
+  // The two ends and an even choice of the views between become keyframes; the other views only give their poses.
   const size_t between = views_.size() - 2;
   const size_t wanted = std::min<size_t>(between, std::max(0, input_->options.max_keyframes - 2));
   for (size_t v = 0; v < views_.size(); ++v) {
@@ -202,7 +198,7 @@ InitialMap InitialStructure::finish() const {
       if (map.views[v].keyframe && views_[v].agrees[p]) point.observations.emplace_back(v, views_[v].keypoints[p]);
     if (point.observations.size() >= 2) map.points.push_back(std::move(point));
   }
-  // The frames between that were not asked.
+  // Frames that are not views get poses too.
   std::vector<std::optional<SE3>> pose(input_->frames.size());
   for (const View& view : views_) pose[view.frame] = view.cam_from_reference;
   for (size_t f = input_->reference + 1; f < input_->frames.size(); ++f) {

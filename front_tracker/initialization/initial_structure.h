@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The structure that two frames and those between them allow: what Initializer judges and begins a submap with.
+// The structure of two frames and the frames between them, with which Initializer begins a submap.
 #pragma once
 
 #include <deque>
-#include <string>
 #include <utility>
 #include <vector>
 
+#include "base/result.h"
 #include "front_tracker/frame/frame.h"
 #include "front_tracker/initialization/initializer_options.h"
 #include "front_tracker/matching/reference_tracks.h"
@@ -14,7 +14,7 @@
 
 namespace rumi::front_tracker {
 
-// A first structure, in the frame of its first view, scaled to a median depth of 1.
+// The first structure of a submap, in the frame of its first view, scaled to a median depth of 1.
 struct InitialMap {
   struct View {
     size_t frame = 0;  // index into `frames`
@@ -23,67 +23,67 @@ struct InitialMap {
   };
   struct Point {
     Eigen::Vector3d position;
-    std::vector<std::pair<size_t, int>> observations;  // index into `views` (keyframes only), keypoint
+    std::vector<std::pair<size_t, int>> observations;  // index into `views` (keyframes only), and keypoint
   };
-  std::vector<Frame> frames;  // all that were buffered, in time order; those without a view have no pose yet
+  std::vector<Frame> frames;  // all buffered frames in order of time; those without a view have no pose yet
   std::vector<View> views;
   std::vector<Point> points;
 };
 
-// Frames from a reference on, in which its keypoints were followed.
+// The buffered frames, and a reference whose keypoints were followed through the frames after it.
 struct FollowedFrames {
   const Camera& camera;
   const InitializerOptions& options;
   const std::vector<double>& octave_scales;
-  const std::deque<Frame>& frames;  // those before the reference included
+  const std::deque<Frame>& frames;  // includes those before the reference
   size_t reference = 0;             // index into frames
   const ReferenceTracks& tracks;
 };
 
 class InitialStructure {
  public:
-  // `pair` is of the reference and the newest frame; its points are at `keypoints` of the reference. `input` must
-  // outlive it.
+  // `pair` was found from the reference and the newest frame; keypoints[i] is the keypoint of its point i in the
+  // reference. `input` must outlive the structure.
   InitialStructure(const FollowedFrames& input, const TwoViewHypothesis& pair, const std::vector<int>& keypoints);
 
-  // Frames between the two are a check that costs little: a structure that they do not agree with is wrong. False, and
-  // refusal() set, if most do not.
-  bool add_views_between();
-  // Bundle adjustment. False, and refusal() set, if the structure does not hold.
-  bool adjust();
-  // RMS over all that was matched in the views, each error cut off at what makes an outlier: to compare rivals by.
+  // Adds frames between the two, which check the structure at little cost. Returns an Error if most of them do not
+  // agree: then the structure is wrong.
+  Result<> add_views_between();
+  // Adjusts the structure by bundle adjustment. Returns an Error if that fails or leaves too few points.
+  Result<> adjust();
+  // Returns the RMS error of all matches in the views, for a comparison of rival structures. Each error counts no more
+  // than the smallest one of an outlier.
   double error_px() const;
-  // Standard deviation of the direction of the motion between the two, if a keypoint's noise were one pixel at octave
-  // 0.
+  // Returns the standard deviation of the direction of motion between the two frames, if the noise of a keypoint at
+  // octave 0 were one pixel.
   double direction_sigma_rad() const;
-  // Rivals that bundle adjustment made one.
+  // True if the newest frame has nearly the same pose in both: bundle adjustment may turn rivals into the same
+  // structure.
   bool same_as(const InitialStructure& other) const;
-  const std::string& refusal() const { return refusal_; }
 
-  // Views and points of the map; its frames are the caller's.
+  // Returns the views and points of the map, to which the caller adds the frames.
   InitialMap finish() const;
 
  private:
   struct View {
     size_t frame = 0;  // index into the input's frames
     SE3 cam_from_reference;
-    std::vector<int> keypoints;  // per point, the keypoint that is taken for it, or kNone
-    std::vector<bool> agrees;    // per point
+    std::vector<int> keypoints;  // by point; kNone if it has none
+    std::vector<bool> agrees;    // by point: its error is that of an inlier
   };
   std::vector<int> keypoints_in(size_t frame) const;
   View make_view(size_t frame, const SE3& cam_from_reference) const;
   BundleProblem::Observation observation(size_t view, size_t point) const;
   std::optional<SE3> resect_frame(size_t frame, const SE3& neighbour) const;
-  // All views and points, without observations.
+  // Returns a problem with all views and points, without observations.
   BundleProblem as_it_is() const;
   bool solve(const std::vector<size_t>& chosen, int iterations);
   void sort_out();
 
   const FollowedFrames* input_;
-  std::vector<int> reference_keypoints_;  // of the points
-  std::vector<Eigen::Vector3d> points_;   // in the reference's frame
-  std::vector<View> views_;               // the reference, the newest, those between in order of time
-  std::string refusal_;
+  std::vector<int> reference_keypoints_;  // by point
+  std::vector<Eigen::Vector3d> points_;   // positions in the reference's frame
+  std::vector<View> views_;               // the reference, the newest frame, then those between in order of time
 };
 
 }  // namespace rumi::front_tracker

@@ -14,10 +14,12 @@ namespace {
 
 constexpr size_t kMostReferences = 4;
 constexpr size_t kReferenceInterval = 10;  // frames from one reference to the next, at most
-constexpr double kRenewAt = 0.7;           // share of the newest reference that is found: below, another is due
-constexpr double kMinMotion_px = 2;        // median, beyond a rotation: twice a keypoint's noise; less: no try
-constexpr double kMoreMotion = 1.1;        // than at the last try, for the next
-constexpr int kMostMisses = 3;             // frames in a row (blurred, say) that a reference survives
+constexpr double kRenewAt = 0.7;           // share of the newest reference's keypoints that are found, below which
+                                           // another reference is due
+constexpr double kMinMotion_px = 2;        // median motion beyond a rotation, for a first try: twice a keypoint's noise
+constexpr double kMoreMotion = 1.1;        // factor on the motion of the last try from which the next try is worthwhile
+constexpr int kMostMisses = 3;             // frames in a row with too few keypoints (blurred ones, for example) after
+                                           // which a reference is dropped
 
 }  // namespace
 
@@ -47,8 +49,8 @@ void Initializer::buffer(Frame frame) {
   drop_images();
 }
 
-// A submap begins with a reference frame, so earlier images are dropped. The later frames are many: of each only the
-// full image is kept, and the pyramid is made again for the few that become keyframes.
+// A submap begins with a reference frame, so earlier images are dropped. The later frames are many, so only their full
+// images are kept; the pyramid is made again for the few that become keyframes.
 void Initializer::drop_images() {
   const size_t oldest = references_.empty() ? frames_.size() : references_.front().frame;
   for (size_t i = 0; i < oldest; ++i) frames_[i].images = nullptr;
@@ -78,13 +80,13 @@ void Initializer::follow() {
   };
   if (static_cast<int>(now.features->size()) < options_.min_matches) return;
   if (!references_.empty() && !due(references_.back())) return;
-  // The oldest reference has seen most motion, so the second oldest makes room.
+  // The oldest reference has seen the most motion, so the second oldest is dropped.
   if (references_.size() == kMostReferences) references_.erase(references_.begin() + 1);
   references_.push_back({frames_.size() - 1, ReferenceTracks(now.features), 0, kMinMotion_px});
 }
 
-// The reference from which the image moved most, if it is worth a try.
-Initializer::Reference* Initializer::most_promising() {
+// Returns the reference since which the image moved most. Returns an Error if none is worth a try.
+Result<Initializer::Reference*> Initializer::most_promising() {
   Reference* best = nullptr;
   double most_px = 0;
   bool matched = false;
@@ -96,39 +98,47 @@ Initializer::Reference* Initializer::most_promising() {
     if (r.tracks.motion_px() < r.next_motion_px) continue;
     if (!best || r.tracks.motion_px() > best->tracks.motion_px()) best = &r;
   }
-  if (!matched)
-    refusal_ = "too few matches with any frame before";
-  else if (!best)
-    refusal_ = fmt::format("the image moved by {:.1f} px beyond a rotation: waiting for more", most_px);
+  if (!matched) return Error{"too few matches with any frame before"};
+  if (!best) return Error{fmt::format("the image moved by {:.1f} px beyond a rotation: waiting for more", most_px)};
   return best;
 }
 
-std::optional<InitialMap> Initializer::add(Frame frame) {
+Result<InitialMap> Initializer::add(Frame frame) {
   buffer(std::move(frame));
-  Reference* reference = most_promising();
-  if (!reference) return std::nullopt;
-  std::optional<InitialMap> map = begin_with(reference);
-  if (!map) return std::nullopt;
+  Result<InitialMap> map = begin();
+  if (!map) {
+    refusal_ = map.error_text();
+    return map;
+  }
   map->frames.assign(std::make_move_iterator(frames_.begin()), std::make_move_iterator(frames_.end()));
   clear();
   return map;
 }
 
-// Returns the structures that fit the pair and the frames between, adjusted, the best one first.
-std::vector<Initializer::Rival> Initializer::find_rivals(const FollowedFrames& input, const TwoViewResult& pair,
-                                                         const std::vector<int>& keypoints) {
+Result<InitialMap> Initializer::begin() {
+  const Result<Reference*> reference = most_promising();
+  if (!reference) return reference.error();
+  return begin_with(*reference);
+}
+
+// Returns the structures that fit the pair and the frames between, adjusted, the best one first. Returns an Error if
+// none fits.
+Result<std::vector<Initializer::Rival>> Initializer::find_rivals(const FollowedFrames& input, const TwoViewResult& pair,
+                                                                 const std::vector<int>& keypoints) const {
   std::vector<Rival> rivals;
+  Result<> between;
   double best_px = 1e9;
   for (const TwoViewHypothesis& hypothesis : pair.hypotheses) {
     InitialStructure structure(input, hypothesis, keypoints);
-    if (!structure.add_views_between()) {
-      refusal_ = structure.refusal();
+    if (Result<> agree = structure.add_views_between(); !agree) {
+      between = std::move(agree);
       continue;
     }
     const double error_px = structure.error_px();
     best_px = std::min(best_px, error_px);
-    rivals.push_back({std::move(structure), error_px, false});
+    rivals.push_back({std::move(structure), error_px, {}});
   }
+  if (rivals.empty()) return between.error();
   // Bundle adjustment halves the error of a right structure at best, so worse rivals are not adjusted.
   constexpr double kHopeless = 2.0;
   std::erase_if(rivals, [&](const Rival& rival) { return rival.error_px > kHopeless * best_px; });
@@ -141,23 +151,23 @@ std::vector<Initializer::Rival> Initializer::find_rivals(const FollowedFrames& i
   return rivals;
 }
 
-// Returns why the submap must not begin with this structure, or an empty string.
-std::string Initializer::objection(const Rival& best, const std::vector<Rival>& rivals, double direction_rad) const {
+// Returns an Error if the submap must not begin with this structure.
+Result<> Initializer::check(const Rival& best, const std::vector<Rival>& rivals, double direction_rad) const {
   if (direction_rad > options_.max_direction_sigma_rad)
-    return fmt::format("the direction of the motion is known to {:.1f} deg only: waiting for more motion",
-                       direction_rad * 180 / M_PI);
+    return Error{fmt::format("the direction of the motion is known to {:.1f} deg only: waiting for more motion",
+                             direction_rad * 180 / M_PI)};
   for (const Rival& rival : rivals) {
     if (rival.structure.same_as(best.structure)) continue;
-    // A rival that does not hold may still be the true structure if it fits better.
-    const double ratio = rival.holds ? options_.max_rival_rmse_ratio : 1.0;
+    // A rival whose adjustment failed may still be the true structure if it fits better.
+    const double ratio = rival.holds.has_value() ? options_.max_rival_rmse_ratio : 1.0;
     if (best.error_px > ratio * rival.error_px)
-      return fmt::format("ambiguous: two structures with errors of {:.2f} and {:.2f} px", best.error_px,
-                         rival.error_px);
+      return Error{
+          fmt::format("ambiguous: two structures with errors of {:.2f} and {:.2f} px", best.error_px, rival.error_px)};
   }
   return {};
 }
 
-std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
+Result<InitialMap> Initializer::begin_with(Reference* reference) {
   const ReferenceTracks& tracks = reference->tracks;
   const std::vector<int>& found = tracks.found().back();
   std::vector<Eigen::Vector2f> first, last;
@@ -171,20 +181,16 @@ std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
   const TwoViewResult pair = reconstruct_two_views(camera_, first, last, options_.two_view);
   const double motion_px = tracks.motion_px();
   reference->next_motion_px = kMoreMotion * motion_px;
-  refusal_ = pair.refusal;
-  if (!pair.ok()) return std::nullopt;
+  if (!pair.ok()) return Error{pair.refusal};
 
   const FollowedFrames input{camera_, options_, scales_, frames_, reference->frame, tracks};
-  const std::vector<Rival> rivals = find_rivals(input, pair, keypoints);
-  if (rivals.empty()) return std::nullopt;
-  const auto best = std::find_if(rivals.begin(), rivals.end(), [](const Rival& rival) { return rival.holds; });
-  if (best == rivals.end()) {
-    refusal_ = rivals.front().structure.refusal();
-    return std::nullopt;
-  }
+  const Result<std::vector<Rival>> rivals = find_rivals(input, pair, keypoints);
+  if (!rivals) return rivals.error();
+  const auto best =
+      std::find_if(rivals->begin(), rivals->end(), [](const Rival& rival) { return rival.holds.has_value(); });
+  if (best == rivals->end()) return rivals->front().holds.error();
   const double direction_rad = best->structure.direction_sigma_rad() * best->error_px;
-  refusal_ = objection(*best, rivals, direction_rad);
-  if (!refusal_.empty()) return std::nullopt;
+  if (const Result<> sure = check(*best, *rivals, direction_rad); !sure) return sure.error();
   log_debug(
       "begins with {:.1f} px beyond a rotation, {} of {} frames, error {:.2f} px, direction of the motion known to "
       "{:.1f} deg",

@@ -6,10 +6,10 @@
 #pragma once
 
 #include <deque>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "front_tracker/frame/frame.h"
 #include "front_tracker/initialization/initial_structure.h"
 #include "front_tracker/initialization/initializer_options.h"
@@ -22,36 +22,37 @@ class Initializer {
   Initializer(const Camera& camera, const InitializerOptions& options, const std::vector<double>& octave_scales);
 
   void clear();
-  // Buffers the frame and follows the references into it, without trying to begin. Of its pyramid only the full image
-  // is kept, as long as the frame may become a keyframe.
+  // Buffers the frame and follows the references into it, without trying to begin. Only its full image is kept,
+  // as long as the frame may become a keyframe.
   void buffer(Frame frame);
   // Takes all buffered frames, in order of time.
   std::deque<Frame> take_frames();
-  // Buffers the frame and tries to begin with it.
-  std::optional<InitialMap> add(Frame frame);
-  // Why the last try failed, for the log.
+  // Buffers the frame and tries to begin with it. Returns an Error if the submap cannot begin yet.
+  Result<InitialMap> add(Frame frame);
+  // Returns why the last add() failed; empty after clear().
   const std::string& refusal() const { return refusal_; }
 
  private:
   struct Reference {
     size_t frame = 0;  // index into frames_
     ReferenceTracks tracks;
-    int misses = 0;             // frames in a row in which too little of it was found
-    double next_motion_px = 0;  // from which another try is worth its while
+    int misses = 0;             // frames in a row in which too few of the reference's keypoints were found
+    double next_motion_px = 0;  // motion beyond a rotation from which another try is worthwhile
   };
   struct Rival {
     InitialStructure structure;
     double error_px = 0;
-    bool holds = false;
+    Result<> holds;  // result of its bundle adjustment
   };
   void follow();
   void trim();
   void drop_images();
-  Reference* most_promising();
-  std::optional<InitialMap> begin_with(Reference* reference);
-  std::vector<Rival> find_rivals(const FollowedFrames& input, const TwoViewResult& pair,
-                                 const std::vector<int>& keypoints);
-  std::string objection(const Rival& best, const std::vector<Rival>& rivals, double direction_rad) const;
+  Result<InitialMap> begin();
+  Result<Reference*> most_promising();
+  Result<InitialMap> begin_with(Reference* reference);
+  Result<std::vector<Rival>> find_rivals(const FollowedFrames& input, const TwoViewResult& pair,
+                                         const std::vector<int>& keypoints) const;
+  Result<> check(const Rival& best, const std::vector<Rival>& rivals, double direction_rad) const;
 
   Camera camera_;
   InitializerOptions options_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of Mapper that triangulates: keypoints without a landmark in two keyframes, matched along the epipolar line.
+// The part of Mapper that triangulates keypoints without a landmark, matched along epipolar lines between two
+// keyframes.
 #include <opencv2/core/hal/intrin.hpp>
 
 #include "front_tracker/frame/certainty.h"
@@ -12,11 +13,12 @@
 namespace rumi::front_tracker {
 namespace {
 
-// What has been seen on three visits is a place that is known: it gets no more landmarks beside those that it has, or
-// it would grow with every visit.
+// A place that has been seen on three visits is known. It gets no more landmarks beside those that it has; otherwise
+// the submap would grow with every visit.
 constexpr int kVisits = 3;
-constexpr int64_t kBetweenVisits_us = 10'000'000;  // at least
-constexpr float kBeside = 0.05F;                   // of the image's width
+constexpr int64_t kBetweenVisits_us = 10'000'000;  // time between two visits, at least
+constexpr float kBeside = 0.05F;                   // distance within which a keypoint lies beside another, as a share
+                                                   // of the image's width
 
 bool is_known(const Submap& map, const Landmark& landmark) {
   int visits = 0;
@@ -29,7 +31,7 @@ bool is_known(const Submap& map, const Landmark& landmark) {
   return visits >= kVisits;
 }
 
-// Of the keyframe's keypoints those beside one that sees a known landmark.
+// Returns for each of the keyframe's keypoints whether it lies beside one that observes a known landmark.
 std::vector<char> beside_known(const FrontSubmap& submap, const Keyframe& kf) {
   const float radius = kBeside * static_cast<float>(submap.map.camera.width);
   const KeypointGrid& grid = submap.grids.at(kf.id);
@@ -54,7 +56,8 @@ std::vector<int> free_keypoints(const Keyframe& kf) {
 
 constexpr int kLanes = cv::v_float32x4::nlanes;
 
-// Keypoints that may be matched, and how far from the epipolar line, px². Whole vectors.
+// The keypoints that may be matched, and their largest squared distance (px²) from the epipolar line. The vectors are
+// padded to a whole number of lanes.
 class Candidates {
  public:
   Candidates(const Keyframe& kf, const std::vector<double>& scales) : keypoints_(free_keypoints(kf)) {
@@ -71,7 +74,7 @@ class Candidates {
     }
   }
 
-  // Calls visit(candidate) for each that is near the line, of unit normal.
+  // Calls visit(candidate) for each keypoint near the line, whose normal has unit length.
   template <class Visit>
   void for_each_near(const Eigen::Vector3f& line, Visit visit) const {
     const cv::v_float32x4 a = cv::v_setall_f32(line.x()), b = cv::v_setall_f32(line.y()),
@@ -88,7 +91,8 @@ class Candidates {
 
  private:
   std::vector<int> keypoints_;
-  std::vector<float> x_, y_, max_off2_;  // undistorted; max_off2_: negative once it is taken, and where there is none
+  std::vector<float> x_, y_,
+      max_off2_;  // undistorted pixels; max_off2_ is negative for a keypoint that is taken, and for padding
 };
 
 bool agrees(const Camera& camera, const Eigen::Vector3d& point_cam, const Eigen::Vector2f& pixel, double sigma) {
@@ -109,7 +113,7 @@ void Mapper::make_landmarks(FrontSubmap& submap, int keyframe_id) const {
   }
 }
 
-// The point that both keypoints see, if they can be of one.
+// Returns the point that both keypoints observe, or nullopt if they cannot observe the same point.
 std::optional<Eigen::Vector3d> Mapper::triangulate_between(const FrontSubmap& submap, const Keyframe& a, int keypoint_a,
                                                            const Keyframe& b, int keypoint_b) const {
   const std::vector<double>& scales = submap.octave_scales;
@@ -119,12 +123,12 @@ std::optional<Eigen::Vector3d> Mapper::triangulate_between(const FrontSubmap& su
   const double sa = scales[a.features->keypoints[keypoint_a].octave],
                sb = scales[b.features->keypoints[keypoint_b].octave];
   const Eigen::Vector3d to_a = *point - a.cam_from_submap.center(), to_b = *point - b.cam_from_submap.center();
-  // Standard deviation of the logarithm of the distance.
+  // The standard deviation of the point's log distance is hypot(sa, sb) / (focal_px * sine).
   const double sine = to_a.normalized().cross(to_b.normalized()).norm(), focal_px = 0.5 * (camera_.fx + camera_.fy);
   if (std::hypot(sa, sb) > options_.max_log_distance * focal_px * sine) return std::nullopt;
   if (!agrees(camera_, a.cam_from_submap * *point, pa, sa) || !agrees(camera_, b.cam_from_submap * *point, pb, sb))
     return std::nullopt;
-  // The ratio of the distances must go with that of the octaves.
+  // The ratio of the distances must fit the ratio of the octaves' scales.
   const double distance_ratio = to_b.norm() / to_a.norm(), octave_ratio = sa / sb, slack = 1.5 * scales[1];
   if (distance_ratio * slack < octave_ratio || distance_ratio > octave_ratio * slack) return std::nullopt;
   return point;

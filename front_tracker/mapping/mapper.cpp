@@ -31,8 +31,8 @@ void Mapper::process(FrontSubmap& submap, int keyframe_id, std::mutex& mutex) co
   cull_keyframes(submap, keyframe_id);
 }
 
-// A landmark on probation must be seen in at least a quarter of the frames that should see it, and by a third keyframe
-// soon.
+// Removes landmarks on probation that are found in less than a quarter of the frames that should see them, or that no
+// third keyframe observes soon.
 void Mapper::cull_landmarks(FrontSubmap& submap, int keyframe_id) const {
   std::erase_if(submap.recent_landmarks, [&](const std::pair<int, int>& recent) {
     const Landmark* lm = submap.map.landmark(recent.first);
@@ -66,8 +66,8 @@ void Mapper::fuse_landmarks(FrontSubmap& submap, int keyframe_id) const {
   for (int id : landmarks_of(keyframe_id)) update_landmark_view(submap.map, submap.map.landmark(id));
 }
 
-// Looks for each landmark in the keyframe: a free keypoint becomes an observation of it, a keypoint of another landmark
-// shows that the two are one.
+// Looks for each landmark in the keyframe. A free keypoint becomes an observation of it. If the keypoint has another
+// landmark, the two are fused.
 void Mapper::fuse_into(FrontSubmap& submap, const std::vector<int>& landmark_ids, int keyframe_id) const {
   Submap& map = submap.map;
   const KeypointGrid& grid = submap.grids[keyframe_id];
@@ -106,14 +106,15 @@ void Mapper::fuse_into(FrontSubmap& submap, const std::vector<int>& landmark_ids
   }
 }
 
-// A neighbour of which nearly all landmarks are seen by at least three other keyframes, as finely, adds nothing.
+// Removes neighbours that are redundant: at least three other keyframes observe nearly all of their landmarks, at about
+// as fine an octave or a finer one.
 void Mapper::cull_keyframes(FrontSubmap& submap, int keyframe_id) const {
   Submap& map = submap.map;
   if (!map.keyframe(keyframe_id)) return;
   std::vector<const Features*> features_of(map.keyframes.rbegin()->first + 1, nullptr);
   for (const auto& [id, kf] : map.keyframes) features_of[id] = kf.features.get();
   for (const auto& [id, shared] : map.covisible_keyframes(keyframe_id)) {
-    // The first keyframe carries the gauge; the newest ones are still in use by the tracker.
+    // The first keyframe defines the submap's frame; the tracker still uses the newest ones.
     if (id == map.keyframes.begin()->first || id + 2 >= map.keyframes.rbegin()->first) continue;
     const Keyframe& kf = *map.keyframe(id);
     int total = 0, redundant = 0;

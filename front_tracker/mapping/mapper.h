@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What follows a new keyframe: new landmarks by triangulation, fusion of doubles, local bundle adjustment, culling.
+// Maps a new keyframe: makes landmarks by triangulation, fuses duplicates, adjusts the neighbourhood, and culls.
 #pragma once
 
 #include <mutex>
@@ -14,13 +14,13 @@ class Mapper {
  public:
   Mapper(const Camera& camera, const MappingOptions& options);
 
-  // `mutex` guards the submap; it is held for the short steps and free while the bundle adjustment is being solved.
+  // `mutex` guards the submap. It is locked in the short steps, but not while the bundle adjustment is solved.
   void process(FrontSubmap& submap, int keyframe_id, std::mutex& mutex) const;
 
  private:
   void cull_landmarks(FrontSubmap& submap, int keyframe_id) const;
   void make_landmarks(FrontSubmap& submap, int keyframe_id) const;
-  // `known`: keypoints of the keyframe that get none.
+  // `known`: true for keypoints of the keyframe that get no landmark.
   void make_landmarks_between(FrontSubmap& submap, Keyframe& keyframe, Keyframe& neighbour,
                               const std::vector<char>& known) const;
   std::optional<Eigen::Vector3d> triangulate_between(const FrontSubmap& submap, const Keyframe& a, int keypoint_a,

@@ -5,12 +5,12 @@
 
 namespace rumi::front_tracker {
 
-// What two masks show. It is made anew only when one of them is another.
+// The pixels that two masks show. It is computed again only if one of them has changed.
 class JointMask {
  public:
   const ImageMask& join(const ImageMask& a, const ImageMask& b) {
     if (a.pixels().data != a_.data || b.pixels().data != b_.data) joint_ = a.and_also(b);
-    a_ = a.pixels();  // kept, so that no other mask gets its address
+    a_ = a.pixels();  // kept alive, so that no new mask gets its address
     b_ = b.pixels();
     return joint_;
   }

@@ -9,24 +9,28 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr int64_t kBetweenLooks_us = 200'000;      // at least: the world has to move on
-constexpr float kEdge = 6;                         // grey levels per pixel from which a gradient is one
-constexpr double kLeastChange = 1.0 / 3;           // of the edges: less, and the image stands
-constexpr int kFirstVerdict = 16;                  // looks
-constexpr double kForget = 0.98;                   // what is left of a look at the next: 50 of them count
-constexpr float kAgree = 0.7F;                     // of a pixel's gradients: it is still
-constexpr int kCell = 8;                           // px, side
-constexpr int kStillPixels = 5, kWorldPixels = 2;  // still ones in a cell that make it still; fewer: it is no longer
-constexpr double kLargePart = 0.0015;              // of the image: what lies in its bays is of it
-constexpr double kBay = 0.08;                      // half width of a bay, of the image's height
+constexpr int64_t kBetweenLooks_us = 200'000;  // least time between two images that are used: the world has to move on
+constexpr float kEdge = 6;                     // grey levels per pixel: smaller gradients are ignored
+constexpr double kLeastChange = 1.0 / 3;       // share of the edges that must change; with fewer the image stands still
+constexpr int kFirstVerdict = 16;              // images that are used before the first mask
+constexpr double kForget = 0.98;               // factor on the weight of earlier images with each new one: about 50
+                                               // images count
+constexpr float kAgree = 0.7F;                 // share of a pixel's gradients (by their squares) that agree, from which
+                                               // the pixel is still
+constexpr int kCell = 8;                       // side of a cell, px
+constexpr int kStillPixels = 5, kWorldPixels = 2;  // still pixels that make a cell still, and that keep it still
+constexpr double kLargePart = 0.0015;              // share of the image from which a still part is large, so that its
+                                                   // bays are filled
+constexpr double kBay = 0.08;                      // half the width of a bay that is filled, at most, as a share of the
+                                                   // image's height
 
 void gradients(const cv::Mat& grey, cv::Mat* dx, cv::Mat* dy) {
   cv::Scharr(grey, *dx, CV_32F, 1, 0, 1.0 / 32);
   cv::Scharr(grey, *dy, CV_32F, 0, 1, 1.0 / 32);
 }
 
-// Fills what narrow bays between large still parts, and between them and the image's border, enclose: a bonnet's paint
-// shows no edges but what it mirrors.
+// Fills narrow bays between large still parts, and between them and the image's border: a bonnet's paint has no edges
+// of its own, it only mirrors some.
 cv::Mat fill_bays(const cv::Mat& cells) {
   cv::Mat labels, stats, centroids;
   const int parts = cv::connectedComponentsWithStats(cells, labels, stats, centroids, 8);
@@ -43,7 +47,8 @@ cv::Mat fill_bays(const cv::Mat& cells) {
   return filled | cells;
 }
 
-// Fills what is enclosed: all of the rest but its largest part, if that is most of it.
+// Fills enclosed regions: leaves only the largest connected region of the cells that are not still, if it has at least
+// half of them.
 void fill_holes(cv::Mat* cells) {
   constexpr double kMost = 0.5;
   const cv::Mat rest = *cells == 0;
@@ -104,7 +109,7 @@ void StillParts::accumulate(const cv::Mat& dx, const cv::Mat& dy) {
   }
 }
 
-// 255 where a cell's edges stay. A cell that was still before remains so as long as it is not clearly otherwise.
+// Returns 255 for cells whose edges stand still. A cell that was still stays so until it clearly is not.
 cv::Mat StillParts::still_cells() const {
   const cv::Size size((sum_dx_.cols + kCell - 1) / kCell, (sum_dx_.rows + kCell - 1) / kCell);
   cv::Mat still = cv::Mat::zeros(size, CV_8U);
@@ -129,7 +134,8 @@ bool StillParts::judge(const ImageMask& known) {
   cv::Mat cells = still_cells();
   for (int row = 0; row < cells.rows && !known.is_everything(); ++row)
     for (int column = 0; column < cells.cols; ++column)
-      if (!known.allows({(column + 0.5F) * kCell, (row + 0.5F) * kCell})) cells.at<uchar>(row, column) = 0;
+      if (!known.allows({(static_cast<float>(column) + 0.5F) * kCell, (static_cast<float>(row) + 0.5F) * kCell}))
+        cells.at<uchar>(row, column) = 0;
   const bool is_same = !cells_.empty() && cv::norm(cells, cells_, cv::NORM_INF) == 0;
   cells_ = cells;
   if (is_same) return false;

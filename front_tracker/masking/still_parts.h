@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What never moves in the images of a camera while the rest of them does: a bonnet, a caption, a rim, dust on the lens.
-// It is not the world, however well it can be tracked.
+// Finds the parts of a camera's images that never move while the rest does: a bonnet, a caption, a rim, dust on the
+// lens. They do not belong to the world, however well they can be tracked.
 //
-// Of each pixel the sum of its gradients over time is held against the sum of their lengths: gradients of the world
-// point every way while it passes, those of a bonnet's edge agree. Images are looked at only when enough has changed
-// since the last one, so a camera that stands tells nothing.
+// For each pixel, the sum of its gradients over time is compared with the sum of their squared lengths. Gradients of
+// the world point in all directions as it passes; those of a bonnet's edge agree. Only images that differ enough from
+// the last one are used, so a camera that stands still changes nothing.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ namespace rumi::front_tracker {
 
 class StillParts {
  public:
-  // 8-bit grey images of one size, in order of time. True if the mask has changed. What `known` leaves out, the user's
-  // mask, is not looked at.
+  // Takes 8-bit grey images of one size, in order of time. Returns true if the mask has changed. Pixels that `known`,
+  // the user's mask, leaves out are ignored.
   bool add(int64_t utime_us, const cv::Mat& grey, const ImageMask& known = {});
 
   const ImageMask& mask() const { return mask_; }
-  // Images that were looked at so far.
+  // Returns the number of images that were used so far.
   int looks() const { return looks_; }
 
  private:
@@ -32,11 +32,11 @@ class StillParts {
 
   int64_t last_utime_us_ = INT64_MIN;
   int looks_ = 0;
-  double weight_ = 0;          // of the images in the sums
-  cv::Mat last_dx_, last_dy_;  // of the last image that was looked at
-  cv::Mat sum_dx_, sum_dy_;    // of the gradients
-  cv::Mat sum_square_;         // of the squares of their lengths
-  cv::Mat cells_;              // 255: still, without what is filled in
+  double weight_ = 0;          // total weight of the images in the sums
+  cv::Mat last_dx_, last_dy_;  // gradients of the last image that was used
+  cv::Mat sum_dx_, sum_dy_;    // sums of the gradients
+  cv::Mat sum_square_;         // sum of the squares of their lengths
+  cv::Mat cells_;              // 255: the cell is still; without the parts that fill_bays() and fill_holes() add
   ImageMask mask_;
 };
 

@@ -11,13 +11,13 @@ std::optional<Prediction> predict(const Camera& camera, const SE3& cam_from_subm
   const Eigen::Vector3d p = cam_from_submap * landmark.position;
   if (!(p.z() > 0)) return std::nullopt;
   const Eigen::Vector2d pixel = camera.project_undistorted(p);
-  // The ideal image is larger than the real one under barrel distortion; the border is therefore drawn in the real one.
+  // Barrel distortion makes the undistorted image larger than the real one, so the border is that of the real image.
   const auto real = camera.has_distortion() ? camera.project(p) : std::optional(pixel);
   if (!real || !camera.contains(*real)) return std::nullopt;
   const double distance = p.norm();
   const Eigen::Vector3d direction = cam_from_submap.rotation.conjugate() * p / distance;
   if (direction.dot(landmark.view_direction) < min_view_cosine) return std::nullopt;
-  // Seen from much closer or farther it would lie outside the pyramid.
+  // From much closer or farther, the landmark's octave would lie outside the pyramid.
   if (distance > 1.3 * landmark.octave0_distance || distance * scales.back() * 1.3 < landmark.octave0_distance)
     return std::nullopt;
   return Prediction{pixel.cast<float>(), predict_octave(landmark, distance, scales)};
@@ -36,7 +36,7 @@ int find_keypoint(const Frame& frame, const Prediction& at, const Descriptor& de
     best.offer(hamming_distance(descriptor, features.descriptors[i]), i);
   });
   if (best.index == kNone || best.distance > search.max_distance) return kNone;
-  // The same corner found at two octaves is no ambiguity.
+  // A very good match is accepted all the same: the second may be the same corner at another octave.
   if (best.distance > search.max_ratio * best.second_distance && best.second_distance <= search.max_distance &&
       best.distance > search.max_distance / 2)
     return kNone;

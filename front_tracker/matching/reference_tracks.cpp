@@ -9,17 +9,8 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr int kMaxDistance = 60;   // Hamming distance of a match
-constexpr double kFarthest = 0.1;  // from where a keypoint is expected, of the image width
-constexpr double kMaxRatio = 0.8;  // of the best over the second-best distance
-
-std::vector<int> coarse_keypoints(const Features& features) {
-  constexpr int kCoarse = 3;  // octave from which a third of the keypoints is left: enough to tell a rotation
-  std::vector<int> coarse;
-  for (size_t i = 0; i < features.size(); ++i)
-    if (features.keypoints[i].octave >= kCoarse) coarse.push_back(static_cast<int>(i));
-  return coarse;
-}
+constexpr int kMaxDistance = 60;   // Hamming distance of a match, at most
+constexpr double kMaxRatio = 0.8;  // best / second-best distance, at most
 
 Eigen::Vector2f turn(const Camera& camera, const Eigen::Matrix3d& rotation, const Eigen::Vector2f& pixel) {
   const Eigen::Vector3d ray = rotation * camera.ray(pixel);
@@ -28,26 +19,11 @@ Eigen::Vector2f turn(const Camera& camera, const Eigen::Matrix3d& rotation, cons
 
 }  // namespace
 
-FrameMotion estimate_motion(const Camera& camera, const Features& a, const Features& b) {
-  constexpr size_t kFewest = 20;
-  const double farthest = kFarthest * camera.width, f = 0.5 * (camera.fx + camera.fy);
-  const std::vector<int> from = coarse_keypoints(a), to = coarse_keypoints(b);
-  std::vector<Eigen::Vector3d> rays_a, rays_b;
-  if (!from.empty() && !to.empty())
-    for (const Match& m : match_features(a, from, b, to, {})) {
-      rays_a.push_back(camera.ray(a.undistorted[m.first]));
-      rays_b.push_back(camera.ray(b.undistorted[m.second]));
-    }
-  if (rays_a.size() < kFewest) return {Eigen::Matrix3d::Identity(), farthest};
-  const auto fit = fit_rotation(std::move(rays_a), std::move(rays_b));
-  if (!fit) return {Eigen::Matrix3d::Identity(), farthest};
-  return {fit->b_from_a, std::min(farthest, 8 + 3 * f * fit->median_residual_rad)};
-}
-
 ReferenceTracks::ReferenceTracks(std::shared_ptr<const Features> reference)
     : reference_(std::move(reference)), expected_(reference_->undistorted), unseen_(reference_->size(), 0) {}
 
-// The keypoint that looks most like one of the reference, near where it is expected; none if two do.
+// Returns the keypoint near the expected place that looks most like that of the reference. Returns no match (index
+// kNone) if none looks like it, or two do.
 BestMatch ReferenceTracks::find(size_t keypoint, const Frame& frame, float radius_px) const {
   const Features& now = *frame.features;
   const int octave = reference_->keypoints[keypoint].octave;
@@ -64,8 +40,9 @@ BestMatch ReferenceTracks::find(size_t keypoint, const Frame& frame, float radiu
 
 void ReferenceTracks::follow(const Camera& camera, const FrameMotion& motion, const Frame& frame) {
   const Features& now = *frame.features;
-  const double farthest_px = kFarthest * camera.width;
-  std::vector<Match> claims(now.size(), {kNone, kNone, 257});  // per keypoint of the frame, the best that wants it
+  const double farthest_px = kFarthestMotion * camera.width;
+  std::vector<Match> claims(now.size(),
+                            {kNone, kNone, 257});  // by keypoint of the frame: the best match that claims it
   for (size_t i = 0; i < expected_.size(); ++i) {
     expected_[i] = turn(camera, motion.b_from_a, expected_[i]);
     const double radius = std::min(farthest_px, motion.radius_px * (1 + unseen_[i]));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A corner detector finds a corner within a pixel of its pyramid level, here and there. What is matched is therefore
-// moved to where the patch around it looks as in the first keyframes that saw the landmark, as far as their images are
-// kept (FrontSubmap::images). Where none agrees a keypoint stays where it was found.
+// A detector finds a corner only to about a pixel of its pyramid level. So a matched keypoint is moved to the place
+// where its patch looks as in the first keyframes that observed the landmark, if their images are kept
+// (FrontSubmap::images). If no patch agrees, the keypoint stays where it was found.
 #pragma once
 
 #include <memory>
@@ -12,24 +12,25 @@
 
 namespace rumi::front_tracker {
 
-// All that the frame is matched to, at its present pose. False, and nothing done, where no images are kept. `templates`
-// are those of the submap's frames before.
+// Aligns all matched keypoints of the frame, at its present pose. Returns false, and does nothing, if no images are
+// kept. `templates` keeps the templates from frame to frame.
 bool align_keypoints(const FrontSubmap& submap, Frame* frame, PatchTemplates* templates);
 
-// Keypoints of one keyframe, one by one, as they become observations. Hold the map's mutex while there is one.
+// Aligns keypoints of one keyframe, one by one, as they become observations. The map's mutex must be held as long as
+// the aligner exists.
 class KeyframeAligner {
  public:
   KeyframeAligner(FrontSubmap& submap, int keyframe_id) : submap_(submap), id_(keyframe_id) {}
   KeyframeAligner(const KeyframeAligner&) = delete;
   KeyframeAligner& operator=(const KeyframeAligner&) = delete;
   ~KeyframeAligner();
-  // False: it stays where it is.
+  // Returns false if the keypoint stays where it is.
   bool align(int keypoint, const Eigen::Vector3d& position, const std::vector<Observation>& references);
 
  private:
   FrontSubmap& submap_;
   int id_;
-  std::shared_ptr<Features> moved_;  // the keyframe's, once one has moved
+  std::shared_ptr<Features> moved_;  // the keyframe's new features, once a keypoint has moved
 };
 
 }  // namespace rumi::front_tracker

@@ -11,11 +11,12 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr int kReferences = 2;     // keyframes that are tried
-constexpr float kPatchMargin = 3;  // pixels of the level beside the point that must show the world
-constexpr double kStep_px = 4;     // between the points whose projections tell how a patch is distorted
+constexpr int kReferences = 2;     // keyframes that are tried, at most
+constexpr float kPatchMargin = 3;  // pixels of the level around the point that the mask must not leave out
+constexpr double kStep_px = 4;     // pixels between the points whose projections determine a patch's distortion
 
-// How steps from the point, parallel to the reference's image plane in x and y (columns), appear in the image.
+// Returns a matrix whose columns say how steps from the point in x and y, parallel to the reference's image plane,
+// appear in the image. Returns nullopt if a projection fails.
 std::optional<Eigen::Matrix2d> projected_steps(const Camera& camera, const SE3& cam_from_reference,
                                                const Eigen::Vector3d& point) {
   const auto center = camera.project(cam_from_reference * point);
@@ -28,8 +29,8 @@ std::optional<Eigen::Matrix2d> projected_steps(const Camera& camera, const SE3& 
   return steps;
 }
 
-// How steps of a pixel in the reference appear in the view, near the landmark at `position`. The surface is taken to be
-// parallel to the reference's image plane.
+// Returns a matrix whose columns say how steps of a pixel in the reference appear in the view, near the landmark at
+// `position`. The surface is assumed to be parallel to the reference's image plane.
 std::optional<Eigen::Matrix2f> view_from_reference(const Camera& camera, const Eigen::Vector3d& position,
                                                    const SE3& reference_from_submap, const SE3& view_from_submap) {
   const Eigen::Vector3d point = reference_from_submap * position;
@@ -39,7 +40,7 @@ std::optional<Eigen::Matrix2f> view_from_reference(const Camera& camera, const E
   return Eigen::Matrix2d(*here * there->inverse()).cast<float>();
 }
 
-// The turn in the image plane that comes nearest to the steps.
+// Returns the rotation in the image plane that is nearest to the steps.
 float turn_rad(const Eigen::Matrix2f& steps) {
   return std::atan2(steps(1, 0) - steps(0, 1), steps(0, 0) + steps(1, 1));
 }

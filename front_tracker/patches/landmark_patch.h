@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a landmark appears in an image, by the patch around it in the first keyframes that saw it, as far as their
-// images are kept (FrontSubmap::images).
+// Finds a landmark in an image by comparing patches: that of the image, and those around the landmark in the first
+// keyframes that observed it, if their images are kept (FrontSubmap::images).
 #pragma once
 
 #include <optional>
@@ -11,24 +11,25 @@
 
 namespace rumi::front_tracker {
 
-// One view of a landmark: the camera's pose, and its image.
+// A view of a landmark: the camera's pose and its image.
 struct ImagedView {
   const SE3& cam_from_submap;
   const ImagePyramid& images;
 };
 
-// The keypoint in the view, within two pixels of at.pixel in the level at.octave, where it looks as in the first of the
-// submap's observations `references` of the landmark at `position` whose images are kept; the view's own is none of
-// them. Its direction is that of the observation, turned with the patch. The surface is taken to be parallel to the
-// reference's image plane. Nothing if two of them are not found.
+// Looks for the landmark at `position` within two pixels of at.pixel in the level at.octave. `references` are the
+// landmark's observations in the submap, without one by this view. The first two whose images are kept are tried.
+// The surface is assumed to be parallel to the reference's image plane. Returns the keypoint, with the reference's
+// angle turned as the patch is; nullopt if neither reference is found.
 std::optional<Keypoint> find_patch(const FrontSubmap& submap, const Eigen::Vector3d& position,
                                    const std::vector<Observation>& references, const ImagedView& view,
                                    const Keypoint& at, PatchTemplates* templates);
 
-// Far enough from the border of its level for a keypoint (kOrbBorder_px), and from what the image's mask leaves out.
+// True if the keypoint is far enough from the border of its level (kOrbBorder_px) and from pixels that the mask leaves
+// out.
 bool is_inside(const ImagePyramid& images, const Keypoint& keypoint);
 
-// A keypoint of the landmark that no corner was found for, with the descriptor of its latest observation.
+// Adds a keypoint for a landmark that was found by its patch, with the descriptor of the landmark's latest observation.
 void add_keypoint(const Submap& map, const Landmark& landmark, const ImagePyramid& images, const Keypoint& keypoint,
                   Features* features);
 

@@ -11,10 +11,11 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr std::array kOctavesAbove{4, 2, 0};  // that are looked at: the reach is two pixels of the coarsest
-constexpr double kTooNear_px = 2;  // of the level, to a keypoint of another landmark: it may be the same corner
+constexpr std::array kOctavesAbove{4, 2, 0};  // octaves above the predicted one, in order of search; each search
+                                              // reaches two pixels of its level
+constexpr double kTooNear_px = 2;  // pixels of the level; a nearer keypoint of another landmark may be the same corner
 
-// Of the visible, in view and unmatched; the order of those seen equally often is that of `visible`.
+// Returns the unmatched landmarks of `visible`, most observed first; equal ones keep the order of `visible`.
 std::vector<const Landmark*> most_seen_first(const Submap& map, const std::vector<int>& visible, const Frame& frame) {
   std::unordered_set<int> known(frame.landmark_ids.begin(), frame.landmark_ids.end());
   std::vector<const Landmark*> landmarks;
@@ -34,7 +35,7 @@ bool is_taken(const Frame& frame, const Prediction& at, double radius_px) {
   return taken;
 }
 
-// From coarse to fine; only the finest must agree.
+// Searches from coarse to fine. Only the finest level has to agree.
 std::optional<Keypoint> find_from_coarse(const FrontSubmap& submap, const Landmark& lm, const ImagedView& view,
                                          const Prediction& at, PatchTemplates* templates) {
   const auto predicted = submap.map.camera.project(view.cam_from_submap * lm.position);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Landmarks that are in view and that no keypoint is matched to: the corner detector found other corners this time
-// (three in five in a fast turn). Where the pose is known to a few pixels they are looked for by what they look like,
-// and get keypoints of their own.
+// Looks for landmarks that should be in view but have no match, because the detector found other corners this time
+// (three in five in a fast turn). If the pose is known to a few pixels, they are found by the patches around them and
+// get new keypoints.
 #pragma once
 
 #include <vector>
@@ -11,9 +11,9 @@
 
 namespace rumi::front_tracker {
 
-// Adds keypoints to the frame, at its present pose, for those of the landmarks `visible` that it is not matched to,
-// those that most keyframes have seen first, until it has `wanted` matches. Their descriptors are those of the
-// landmarks' latest observations. Returns the number added; none where no images are kept.
+// Adds keypoints to the frame, at its present pose, for unmatched landmarks of `visible`, until it has `wanted`
+// matches. Landmarks with the most observations come first. A keypoint gets the descriptor of the landmark's latest
+// observation. Returns the number of added keypoints; 0 if no images are kept.
 int search_by_patch(const FrontSubmap& submap, const std::vector<int>& visible, int wanted, Frame* frame,
                     PatchTemplates* templates);
 

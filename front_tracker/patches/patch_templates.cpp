@@ -4,7 +4,8 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr float kSameShape = 0.02F;  // pixels per pixel
+constexpr float kSameShape = 0.02F;  // largest difference in elements of frame_from_keyframe with which a template is
+                                     // used again
 constexpr int kKeptFrames = 8;
 
 bool looks_the_same(const PatchTemplates::Patch& a, const PatchTemplates::Patch& b) {
@@ -29,7 +30,7 @@ const PatchTemplate* PatchTemplates::find(const ImagePyramid& keyframe_images, c
 }
 
 void PatchTemplates::end_frame() {
-  // Of thousands: not after every frame.
+  // Not done after every frame, because there are thousands of templates.
   if (frame_ % kKeptFrames == 0)
     std::erase_if(entries_, [this](const auto& entry) { return entry.second.used + kKeptFrames <= frame_; });
   ++frame_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What landmarks should look like in the next frame: making a patch's template costs more than finding it, and from one
-// frame to the next it hardly changes.
+// Keeps the templates of landmarks from frame to frame: making a template costs more than finding its patch, and it
+// hardly changes.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,18 @@ namespace rumi::front_tracker {
 
 class PatchTemplates {
  public:
-  // What is asked for: how the patch around a keyframe's keypoint appears in a frame.
+  // The request for a template: how the patch around a keyframe's keypoint appears in a frame.
   struct Patch {
     Observation seen;
-    Eigen::Vector2f pixel;                // of the keypoint
-    Eigen::Matrix2f frame_from_keyframe;  // as for make_patch_template
-    uint8_t octave = 0;                   // of the frame's image; both have the same pyramid
+    Eigen::Vector2f pixel;                // pixel of the keypoint
+    Eigen::Matrix2f frame_from_keyframe;  // image_from_reference of make_patch_template()
+    uint8_t octave = 0;                   // level in the frame's image; both images have the same pyramid
   };
 
-  // The template of an earlier frame if that was of the same octave and distorted the same to within 2 %, else a new
-  // one. Null if there is none. Valid until the next call of anything.
+  // Returns the template of an earlier frame if that had the same octave and, to 2 %, the same distortion; otherwise a
+  // new one. Returns nullptr if none can be made. The pointer is valid until the next call of any method.
   const PatchTemplate* find(const ImagePyramid& keyframe_images, const Patch& patch);
-  // Forgets what was not asked for in the last 8 frames.
+  // To be called after each frame. Forgets the templates that were not requested in the last 8 frames.
   void end_frame();
   void clear() { entries_.clear(); }
   size_t size() const { return entries_.size(); }

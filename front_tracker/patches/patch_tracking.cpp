@@ -9,10 +9,11 @@ namespace rumi::front_tracker {
 namespace {
 
 constexpr size_t kFew = 50;
-constexpr int kCoarser = 3;      // levels, where few are looked for: a reach of 3.5 pixels of the full image or more
-constexpr int kLeastOfFew = 20;  // inliers
+// Levels by which the search for few landmarks is coarser: it reaches 3.5 pixels of the full image or more.
+constexpr int kCoarser = 3;
+constexpr int kLeastOfFew = 20;  // inliers, when few landmarks are looked for
 
-// A landmark, and where in the pyramid the last frame has it.
+// A landmark to look for, and its octave in the last frame.
 struct Sought {
   const Landmark* landmark;
   uint8_t octave;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Short-term association by image alignment: where an image hardly differs from the last one, the last one's landmarks
-// are found again by the patches around them, for a fraction of what it costs to look for corners and to describe them.
+// Short-term association by image alignment: if an image differs little from the last one, the landmarks are found
+// again by the patches around them. That costs a fraction of detecting and describing corners.
 #pragma once
 
 #include "front_tracker/frame/front_submap.h"
@@ -8,16 +8,16 @@
 
 namespace rumi::front_tracker {
 
-// Both look for landmarks that `last` is matched to, where the pose of *frame puts them. The frame has images; its
-// features become those that are found, its pose is refined.
+// Both functions look for landmarks of `last` at the pose of *frame, which has images. They replace the frame's
+// features by those that are found, and refine its pose.
 
-// A few of them in coarse images: for a pose that is predicted. False where it cannot be told.
+// Looks for a few landmarks in coarse levels, starting from a predicted pose. Returns false if no pose is found.
 bool find_pose_by_patches(const FrontSubmap& submap, const Frame& last, Frame* frame, PatchTemplates* templates);
 
-// All of them, each in the level where the last frame has it.
+// Looks for every landmark of `last`, in the pyramid level in which `last` observed it.
 struct PatchTracking {
   int in_view = 0;  // landmarks that should be in view
-  int inliers = 0;  // of them, found and in agreement with the pose
+  int inliers = 0;  // those of them that are found and agree with the pose
 };
 PatchTracking track_by_patches(const FrontSubmap& submap, const Frame& last, Frame* frame, PatchTemplates* templates);
 

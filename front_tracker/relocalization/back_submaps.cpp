@@ -13,34 +13,38 @@
 namespace rumi::front_tracker {
 namespace {
 
-// In units of the submap, whose scenes are about one away: nothing real is there, and squares must not overflow.
+// The largest distance from the submap's origin, in its unit; its scenes are about one unit away. Nothing real is
+// farther, and squares must not overflow.
 constexpr double kFarthest = 1e9;
 
-// What the checks of every update (bus/wire/submap_update.h) leave open, and a tracker relies on.
-std::string problem_of(const Submap& submap, const Camera& camera, const Pyramid& pyramid, int max_keyframes) {
-  if (submap.kind != SubmapKind::kBack) return "it is not a back submap";
+// Returns an Error if the submap lacks something that a tracker relies on. Checks only what every update's checks
+// (bus/wire/submap_update.h) leave open.
+Result<> check(const Submap& submap, const Camera& camera, const Pyramid& pyramid, int max_keyframes) {
+  if (submap.kind != SubmapKind::kBack) return Error{"it is not a back submap"};
   if (camera_to_yaml(submap.camera) != camera_to_yaml(camera))
-    return fmt::format("it is of another camera: {} x {} px, fx {}, and not {} x {} px, fx {}", submap.camera.width,
-                       submap.camera.height, submap.camera.fx, camera.width, camera.height, camera.fx);
+    return Error{fmt::format("it is of another camera: {} x {} px, fx {}, and not {} x {} px, fx {}",
+                             submap.camera.width, submap.camera.height, submap.camera.fx, camera.width, camera.height,
+                             camera.fx)};
   if (submap.pyramid != pyramid)
-    return fmt::format("it is of another pyramid: {} levels, each {} of the last, and not {}, {}",
-                       submap.pyramid.levels, submap.pyramid.scale_factor, pyramid.levels, pyramid.scale_factor);
+    return Error{fmt::format("it is of another pyramid: {} levels, each {} of the last, and not {}, {}",
+                             submap.pyramid.levels, submap.pyramid.scale_factor, pyramid.levels, pyramid.scale_factor)};
   if (submap.keyframes.size() > static_cast<size_t>(max_keyframes))
-    return fmt::format("it has {} keyframes, {} are kept at most", submap.keyframes.size(), max_keyframes);
+    return Error{fmt::format("it has {} keyframes, {} are kept at most", submap.keyframes.size(), max_keyframes)};
   std::map<int64_t, int> at;
   for (const auto& [id, kf] : submap.keyframes) {
     if (const auto [other, is_new] = at.emplace(kf.utime_us, id); !is_new)
-      return fmt::format("keyframes {} and {} are both of utime {}", other->second, id, kf.utime_us);
+      return Error{fmt::format("keyframes {} and {} are both of utime {}", other->second, id, kf.utime_us)};
     if (!(kf.cam_from_submap.translation.norm() < kFarthest))
-      return fmt::format("keyframe {}: {} is too far away", id, kf.cam_from_submap.translation.norm());
+      return Error{fmt::format("keyframe {}: {} is too far away", id, kf.cam_from_submap.translation.norm())};
   }
   for (const auto& [id, lm] : submap.landmarks)
     if (!(lm.position.norm() < kFarthest))
-      return fmt::format("landmark {}: {} is too far away", id, lm.position.norm());
+      return Error{fmt::format("landmark {}: {} is too far away", id, lm.position.norm())};
   return {};
 }
 
-// Keyframes numbered in order of time, and the landmarks that at least two of them see from the front.
+// Returns the submap with its keyframes numbered in order of time, and only with landmarks that at least two keyframes
+// observe in front of them.
 Submap tidy(const Submap& received) {
   Submap tidied;
   tidied.key = received.key;
@@ -80,9 +84,9 @@ int64_t first_utime_us(const Submap& submap) { return submap.frames.begin()->fir
 BackSubmaps::BackSubmaps(const Camera& camera, const TrackingOptions& options, const Pyramid& pyramid)
     : camera_(camera), options_(options), pyramid_(pyramid), relocalizer_(camera, options, pyramid.scales()) {}
 
-std::string BackSubmaps::add(Submap submap) {
-  std::string problem = problem_of(submap, camera_, pyramid_, options_.back_keyframes);
-  if (!problem.empty()) return fmt::format("back submap {}: {}", submap.key.id, problem);
+Result<> BackSubmaps::add(Submap submap) {
+  if (const Result<> usable = check(submap, camera_, pyramid_, options_.back_keyframes); !usable)
+    return Error{fmt::format("back submap {}: {}", submap.key.id, usable.error_text())};
   remove(submap.key.id);
   if (submap.keyframes.empty()) return {};
   Entry entry{next_number_++, tidy(submap)};
@@ -106,13 +110,14 @@ void BackSubmaps::remove(std::vector<Entry>::iterator entry) {
   submaps_.erase(entry);
 }
 
-std::optional<Submap> BackSubmaps::relocalize(Frame* frame) {
+std::optional<BackSubmaps::Found> BackSubmaps::relocalize(const Frame& frame) {
   if (submaps_.empty()) return std::nullopt;
-  for (const Relocalizer::Candidate& c : relocalizer_.candidates(*frame)) {
+  for (const Relocalizer::Candidate& c : relocalizer_.candidates(frame)) {
     const auto entry =
         std::find_if(submaps_.begin(), submaps_.end(), [&](const Entry& e) { return e.number == c.submap_index; });
-    if (!relocalizer_.relocalize(entry->submap, c.keyframe_id, frame)) continue;
-    Submap found = std::move(entry->submap);
+    std::optional<Frame> posed = relocalizer_.relocalize(entry->submap, c.keyframe_id, frame);
+    if (!posed) continue;
+    Found found{std::move(entry->submap), std::move(*posed)};
     remove(entry);
     return found;
   }

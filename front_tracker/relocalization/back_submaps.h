@@ -1,37 +1,42 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Back submaps as places to relocalize in. They know places where no front submap has been, and where both have been
-// they often have more landmarks: all images of a window are matched with each other.
+// Back submaps as places to relocalize in. They cover places where no front submap has been. At places that both cover,
+// a back submap often has more landmarks, because all images of a window are matched with each other.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "front_tracker/relocalization/relocalizer.h"
 
 namespace rumi::front_tracker {
 
 class BackSubmaps {
  public:
-  // The camera is that of the frames, octave_scales those of their keypoints. At most options.back_keyframes keyframes
-  // are kept; the submaps of the oldest images go first.
+  // `camera` and `pyramid` are those of the frames. At most options.back_keyframes keyframes are kept; the submaps with
+  // the oldest images are dropped first.
   BackSubmaps(const Camera& camera, const TrackingOptions& options, const Pyramid& pyramid);
 
-  // Replaces the submap of the same id. Returns why it was refused, or an empty string.
-  std::string add(Submap submap);
-  // Nothing happens where there is none of that id.
+  // Adds a submap, or replaces the one with its id. Returns an Error, and changes nothing, if it cannot be used.
+  Result<> add(Submap submap);
+  // Does nothing if there is no submap with this id.
   void remove(int id);
 
-  // The submap in which the frame was found: the frame has a pose in it then, and its matches. It is not kept any
-  // longer. Its keyframes and landmarks are numbered from 0 on, the keyframes in order of time.
-  std::optional<Submap> relocalize(Frame* frame);
+  struct Found {
+    Submap submap;  // keyframes and landmarks are numbered from 0, the keyframes in order of time
+    Frame frame;    // has its pose in the submap and its matches
+  };
+  // Looks for the frame in the submaps. Takes the submap in which it is found out of this collection; returns nullopt
+  // if it is not found.
+  std::optional<Found> relocalize(const Frame& frame);
 
   size_t submaps() const { return submaps_.size(); }
   int keyframes() const;
 
  private:
   struct Entry {
-    size_t number = 0;  // in the relocalizer
+    size_t number = 0;  // submap_index in relocalizer_
     Submap submap;
   };
   void remove(std::vector<Entry>::iterator entry);
@@ -39,7 +44,7 @@ class BackSubmaps {
   Camera camera_;
   TrackingOptions options_;
   Pyramid pyramid_;
-  std::vector<Entry> submaps_;  // in order of time
+  std::vector<Entry> submaps_;  // in order of their oldest images
   size_t next_number_ = 0;
   Relocalizer relocalizer_;
 };

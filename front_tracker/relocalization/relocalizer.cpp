@@ -12,10 +12,27 @@
 namespace rumi::front_tracker {
 namespace {
 
-// A keyframe's number in the index: submap above, keyframe below.
+// A keyframe's number in the index has the submap's index in its upper half and the keyframe's id in its lower half.
 constexpr int kSubmapShift = 32;
 size_t submap_of(int64_t number) { return static_cast<size_t>(number >> kSubmapShift); }
 int keyframe_of(int64_t number) { return static_cast<int>(number & 0xffffffff); }
+
+// Returns the landmarks of the keyframe and of the ten keyframes that share the most landmarks with it.
+std::set<int> landmarks_near(const Submap& submap, int keyframe_id) {
+  constexpr int kNeighbours = 10;
+  std::set<int> near;
+  const auto collect = [&](int id) {
+    for (int lm : submap.keyframe(id)->landmark_ids)
+      if (lm != kNone) near.insert(lm);
+  };
+  collect(keyframe_id);
+  int neighbours = 0;
+  for (const auto& [id, shared] : submap.covisible_keyframes(keyframe_id)) {
+    if (neighbours++ == kNeighbours) break;
+    collect(id);
+  }
+  return near;
+}
 
 }  // namespace
 
@@ -41,8 +58,9 @@ std::vector<Relocalizer::Candidate> Relocalizer::candidates(const Frame& frame) 
 
 bool Relocalizer::contradicts(const Submap& submap, int keyframe_id, const Frame& frame) const {
   constexpr int kMinInliers = 15;
-  constexpr double kMaxShare = 0.5;  // of what agrees with one pose, that agrees with the frame's own
-  constexpr double kMaxError = 4.0;  // px at octave 0
+  constexpr double kMaxShare = 0.5;  // observations that agree with the frame's pose / those that agree on another
+                                     // pose; below it, the two contradict each other
+  constexpr double kMaxError = 4.0;  // reprojection error in px at octave 0
   const Keyframe* kf = submap.keyframe(keyframe_id);
   if (!kf) return false;
   const std::vector<PointObservation> observations =
@@ -57,8 +75,9 @@ bool Relocalizer::contradicts(const Submap& submap, int keyframe_id, const Frame
   return static_cast<double>(agree) < kMaxShare * static_cast<double>(inliers);
 }
 
-// A few landmarks tell most hopeless keyframes at a fraction of the work. In the kidnap tests at least 14 of a hundred
-// matched where the camera was found again, mostly 20 to 60; elsewhere 2, and up to 9.
+// Returns false for most hopeless keyframes: matches a sample of their landmarks, at a fraction of the work. In the
+// kidnap tests, at least 14 % of the sample matched where the camera was found again, mostly 20 to 60 %; elsewhere 2 %,
+// and at most 9 %.
 bool Relocalizer::is_worth_comparing(const Submap& submap, const Keyframe& keyframe, const Frame& frame) const {
   constexpr size_t kSample = 150, kLeast = 5;
   std::vector<size_t> known;
@@ -74,55 +93,53 @@ bool Relocalizer::is_worth_comparing(const Submap& submap, const Keyframe& keyfr
          kLeast;
 }
 
-bool Relocalizer::relocalize(const Submap& submap, int keyframe_id, Frame* frame) const {
+std::optional<Frame> Relocalizer::relocalize(const Submap& submap, int keyframe_id, const Frame& frame) const {
   const Keyframe* kf = submap.keyframe(keyframe_id);
-  if (!kf) return false;  // culled since
-  if (!is_worth_comparing(submap, *kf, *frame)) return false;
+  if (!kf) return std::nullopt;  // it has been culled
+  if (!is_worth_comparing(submap, *kf, frame)) return std::nullopt;
   const LandmarkMatches matches =
-      match_by_brute_force(submap, scales_, *kf->features, kf->landmark_ids, *frame, options_.max_distance);
+      match_by_brute_force(submap, scales_, *kf->features, kf->landmark_ids, frame, options_.max_distance);
   const auto pose = resect(camera_, matches.observations);
-  if (!pose) return false;
-  Frame found = *frame;
+  if (!pose) return std::nullopt;
+  Frame found = frame;
   found.clear_matches();
   found.cam_from_submap = pose->cam_from_submap;
   take_inliers(matches, pose->inlier, &found);
+  const std::optional<size_t> in_view = match_neighbourhood(submap, keyframe_id, &found);
+  if (!in_view || !is_proven(submap, *in_view, &found)) return std::nullopt;
+  found.reference_keyframe = keyframe_id;
+  return found;
+}
 
-  // More landmarks of the neighbourhood settle whether it is true.
-  std::set<int> near;
-  const auto collect = [&](int id) {
-    for (int lm : submap.keyframe(id)->landmark_ids)
-      if (lm != kNone) near.insert(lm);
-  };
-  collect(keyframe_id);
-  int neighbours = 0;
-  for (const auto& [id, shared] : submap.covisible_keyframes(keyframe_id)) {
-    if (neighbours++ == 10) break;
-    collect(id);
-  }
+// Matches the frame to more landmarks of the keyframe's neighbourhood, and refines its pose with them. Returns how many
+// of the neighbourhood's landmarks should be in view; nullopt if no pose explains the matches.
+std::optional<size_t> Relocalizer::match_neighbourhood(const Submap& submap, int keyframe_id, Frame* found) const {
+  const std::set<int> near = landmarks_near(submap, keyframe_id);
   size_t in_view = 0;
   for (const double radius : {2.0 * options_.local_radius_px, options_.local_radius_px}) {
-    std::set<int> matched(found.landmark_ids.begin(), found.landmark_ids.end());
+    std::set<int> matched(found->landmark_ids.begin(), found->landmark_ids.end());
     matched.erase(kNone);
     std::vector<const Landmark*> landmarks;
     for (int id : near)
       if (!matched.contains(id)) landmarks.push_back(submap.landmark(id));
     std::vector<int> visible;
     search_by_projection(camera_, landmarks, {.radius_px = radius, .max_distance = options_.max_distance}, scales_,
-                         &found, &visible);
+                         found, &visible);
     in_view = matched.size() + visible.size();
-    if (refine_pose(camera_, submap, scales_, &found) == 0) return false;
+    if (refine_pose(camera_, submap, scales_, found) == 0) return std::nullopt;
   }
-  const int inliers = found.matches();
+  return in_view;
+}
+
+// True if the pose is proven. A few dozen landmarks may agree by chance or at the rim of the image, so a large share of
+// those that should be in view must be found. If the camera is elsewhere, most of them are not recognized.
+bool Relocalizer::is_proven(const Submap& submap, size_t in_view, Frame* found) const {
+  const int inliers = found->matches();
   if (inliers < options_.relocalization_min_inliers) return false;
-  // A few dozen agreeing by chance or at the rim of the image are no proof: of what should be in view much must be
-  // there. Seen from elsewhere most of it is not recognized.
-  found.certainty = certainty_of(submap, scales_, found);
-  const bool sure = found.certainty.image_px <= options_.lost_px();
+  found->certainty = certainty_of(submap, scales_, *found);
+  const bool sure = found->certainty.image_px <= options_.lost_px();
   const double min_ratio = sure ? options_.relocalization_min_ratio / 3 : options_.relocalization_min_ratio;
-  if (inliers < min_ratio * static_cast<double>(in_view)) return false;
-  found.reference_keyframe = keyframe_id;
-  *frame = std::move(found);
-  return true;
+  return inliers >= min_ratio * static_cast<double>(in_view);
 }
 
 }  // namespace rumi::front_tracker

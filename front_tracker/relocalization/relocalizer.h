@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Finds the camera again in submaps made before: retrieval over the keyframes' descriptors, matching, resection.
+// Finds the camera again in submaps made earlier: retrieves similar keyframes by their descriptors, matches, and
+// resects.
 #pragma once
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -14,11 +16,11 @@ namespace rumi::front_tracker {
 
 class Relocalizer {
  public:
-  // octave_scales: size of a pixel per octave, see OrbExtractor.
+  // `octave_scales`: Pyramid::scales() of the frames' keypoints.
   Relocalizer(const Camera& camera, const TrackingOptions& options, const std::vector<double>& octave_scales)
       : camera_(camera), options_(options), scales_(octave_scales) {}
 
-  // Forgets keyframes that were culled from the submap since.
+  // Adds a keyframe, or replaces it. Also forgets keyframes that have been culled from the submap.
   void add_keyframe(size_t submap_index, const Submap& submap, const Keyframe& keyframe);
   void forget_submap(size_t submap_index);
 
@@ -26,20 +28,22 @@ class Relocalizer {
     size_t submap_index = 0;
     int keyframe_id = kNone;
   };
-  // Keyframes that look like the frame, best first.
+  // Returns the keyframes that look like the frame, best first.
   std::vector<Candidate> candidates(const Frame& frame) const;
   size_t size() const { return index_.size(); }
 
-  // Matches the frame against the landmarks of one keyframe and its neighbours. On success the frame has a pose in that
-  // submap and its matches; else it is as before.
-  bool relocalize(const Submap& submap, int keyframe_id, Frame* frame) const;
+  // Matches the frame against the landmarks of one keyframe and its neighbours. Returns the frame with its matches and
+  // its pose in that submap; nullopt if the camera is not there.
+  std::optional<Frame> relocalize(const Submap& submap, int keyframe_id, const Frame& frame) const;
 
-  // Does the frame see what this keyframe sees, but from elsewhere than its own pose says? So it is where a submap is
-  // torn between the keyframe and the place where the frame was found.
+  // True if the frame sees the same things as this keyframe, but from another place than its pose says. Then the submap
+  // is torn between the keyframe and the place at which the frame was found.
   bool contradicts(const Submap& submap, int keyframe_id, const Frame& frame) const;
 
  private:
   bool is_worth_comparing(const Submap& submap, const Keyframe& keyframe, const Frame& frame) const;
+  std::optional<size_t> match_neighbourhood(const Submap& submap, int keyframe_id, Frame* found) const;
+  bool is_proven(const Submap& submap, size_t in_view, Frame* found) const;
 
   Camera camera_;
   TrackingOptions options_;

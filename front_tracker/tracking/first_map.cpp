@@ -10,7 +10,7 @@
 namespace rumi::front_tracker {
 namespace {
 
-// Indices of the views.
+// Returns the indices of the views in order of time.
 std::vector<size_t> in_time(const std::vector<InitialMap::View>& views) {
   std::vector<size_t> order(views.size());
   std::iota(order.begin(), order.end(), 0);
@@ -18,8 +18,8 @@ std::vector<size_t> in_time(const std::vector<InitialMap::View>& views) {
   return order;
 }
 
-// Gives the views their poses, and makes keyframes of some. Returns the keyframe of each view, or kNone. Of an image
-// the initializer has kept only the full size.
+// Gives the views their poses, and makes keyframes of some. Returns the keyframe of each view, or kNone. Pyramids are
+// made again, because the initializer has kept only the full images.
 std::vector<int> add_keyframes(const OrbExtractor& extractor, InitialMap* initial, FrontSubmap* submap) {
   std::vector<int> keyframe_of_view(initial->views.size(), kNone);
   for (const size_t v : in_time(initial->views)) {
@@ -47,7 +47,7 @@ void add_landmarks(const std::vector<int>& keyframe_of_view, InitialMap* initial
   }
 }
 
-// Views that are no keyframes hang on the nearest one before them.
+// Adds the views to the submap's frames. Those that are not keyframes refer to the latest keyframe before them.
 void add_frames(const std::vector<int>& keyframe_of_view, const PastPoses& past, InitialMap* initial,
                 FrontSubmap* submap) {
   int keyframe = kNone;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A submap's beginning: what the initializer found out becomes its first keyframes, landmarks and frames.
+// Begins a submap: the initializer's structure becomes its first keyframes, landmarks and frames.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace rumi::front_tracker {
 
-// Into an empty submap. Returns the frames that have a pose in it, in order of time; the last one is the newest image.
+// `submap` is empty. Returns the frames that have a pose in it, in order of time; the last one is the newest image.
 std::vector<Frame> add_first_map(InitialMap initial, const OrbExtractor& extractor, const PastPoses& past,
                                  FrontSubmap* submap);
 

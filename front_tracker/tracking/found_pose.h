@@ -9,15 +9,16 @@
 
 namespace rumi::front_tracker {
 
-inline constexpr int kFewestLandmarks = 10;  // that make a pose
+inline constexpr int kFewestLandmarks = 10;  // inliers that a pose needs, at least
 
-// What became of looking for a frame's pose.
+// The result of the search for a frame's pose.
 struct FoundPose {
-  Frame frame = {};  // with its pose and its matches, if it was found
-  // Of the image since the last frame, if it was tracked from that one: median, of the image's width.
+  Frame frame = {};  // has its pose and its matches if the pose was found
+  // The median motion of the image since the last frame, as a share of its width; nullopt if the frame was not tracked
+  // from the last frame.
   std::optional<double> motion = {};
-  std::vector<int> visible = {};  // landmarks that were looked for by their descriptors and should be in view
-  std::string why_not = {};       // empty: it was found
+  std::vector<int> visible = {};  // landmarks that were looked for by descriptors and should be in view
+  std::string why_not = {};       // why the pose was not found; empty if it was
 
   bool found() const { return why_not.empty(); }
 };

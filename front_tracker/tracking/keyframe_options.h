@@ -4,12 +4,15 @@
 namespace rumi::front_tracker {
 
 struct KeyframeOptions {
-  double min_tracked_ratio = 0.7;     // of the reference keyframe's landmarks; fewer: a keyframe is due
-  double urgent_tracked_ratio = 0.6;  // the same, whatever the interval since the last keyframe
-  double max_motion = 0.03;           // of the image between two frames (median, of its width); more: one is due
+  double min_tracked_ratio = 0.7;     // tracked share of the reference keyframe's landmarks below which a keyframe is
+                                      // due
+  double urgent_tracked_ratio = 0.6;  // share below which a keyframe is due at once, whatever the interval since the
+                                      // last one
+  double max_motion = 0.03;           // median motion between two frames, as a share of the width, above which a
+                                      // keyframe is due
   double min_interval_s = 0.09;
   double max_interval_s = 1.0;
-  int min_inliers = 100;  // fewer: a keyframe is due sooner
+  int min_inliers = 100;  // inliers of a frame below which a keyframe is due sooner
 };
 
 }  // namespace rumi::front_tracker

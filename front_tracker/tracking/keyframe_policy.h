@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// When a tracked frame becomes a keyframe.
+// Decides when a tracked frame becomes a keyframe.
 #pragma once
 
 #include "front_tracker/frame/frame.h"
@@ -9,14 +9,14 @@ namespace rumi::front_tracker {
 
 class KeyframePolicy {
  public:
-  // `keypoints`: that an image should have.
+  // `keypoints`: the number of keypoints that an image should have.
   KeyframePolicy(const KeyframeOptions& options, int keypoints) : options_(options), keypoints_(keypoints) {}
 
   void note_keyframe(int64_t utime_us) { last_keyframe_us_ = utime_us; }
-  // The camera was found again after it was LOST.
+  // Notes that the camera was found again after it was LOST.
   void note_found_again(int64_t utime_us) { found_again_us_ = utime_us; }
 
-  // `motion`: of the image since the last frame, median, of its width.
+  // True if the frame should become a keyframe. `motion`: median motion of the image since the last frame / its width.
   bool is_due(const Submap& map, const Frame& frame, double motion) const;
 
  private:

@@ -8,7 +8,8 @@
 namespace rumi::front_tracker {
 namespace {
 
-// Most shared first; of those that share as much, the older one.
+// Returns the keyframes that observe the frame's matches, those with the most matches first; of equal ones, the older
+// first.
 std::vector<int> sharing_keyframes(const Submap& map, const Frame& frame) {
   std::map<int, int> votes;
   for (int id : frame.landmark_ids)
@@ -37,7 +38,7 @@ std::set<int> with_neighbours(const Submap& map, const std::vector<int>& sharing
 LocalMap local_map(const Submap& map, const Frame& frame, int keyframes) {
   const std::vector<int> sharing = sharing_keyframes(map, frame);
   LocalMap local{sharing.empty() ? frame.reference_keyframe : sharing.front(), {}};
-  // Neighbours share most of their landmarks: mark them, rather than sort them all.
+  // Neighbours share most of their landmarks, so marking known ones is cheaper than sorting all of them.
   std::vector<bool> known(map.landmarks.empty() ? 0 : map.landmarks.rbegin()->first + 1, false);
   for (int id : frame.landmark_ids)
     if (id != kNone && map.landmark(id)) known[id] = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of the submap is around a frame.
+// The part of the submap that surrounds a frame.
 #pragma once
 
 #include <vector>
@@ -9,12 +9,12 @@
 namespace rumi::front_tracker {
 
 struct LocalMap {
-  int reference_keyframe = kNone;          // that shares most with the frame
-  std::vector<const Landmark*> landmarks;  // by their ids; without those that the frame is matched to
+  int reference_keyframe = kNone;          // keyframe that shares the most landmarks with the frame
+  std::vector<const Landmark*> landmarks;  // in order of id, without the frame's matches
 };
 
-// Of the keyframes, at most so many, that share most with the frame, and of their neighbours. The reference stays the
-// frame's where it shares nothing with any.
+// Collects the landmarks of the keyframes that share the most with the frame, and of their neighbours, from at most
+// `keyframes` keyframes. If no keyframe shares a landmark, the reference stays that of the frame.
 LocalMap local_map(const Submap& map, const Frame& frame, int keyframes);
 
 }  // namespace rumi::front_tracker

@@ -22,7 +22,7 @@ void MotionModel::begin_at(Frame frame) {
 void MotionModel::follow_mapping(const Submap& map) {
   const Keyframe* reference = map.keyframe(last_.reference_keyframe);
   if (!reference) {
-    // Culled since: its frames hang on another keyframe now.
+    // The keyframe has been culled: its frames refer to another one now.
     const FramePose* pose = map.frame(last_.utime_us);
     last_.reference_keyframe = pose->reference_keyframe;
     last_.cam_from_keyframe = pose->cam_from_keyframe;
@@ -32,7 +32,7 @@ void MotionModel::follow_mapping(const Submap& map) {
 }
 
 SE3 MotionModel::predict(int64_t utime_us) const {
-  constexpr double kLongest = 3;  // times the last interval: what the camera did then does not go on for ever
+  constexpr double kLongest = 3;  // the motion goes on for at most so many times the last interval
   const int64_t dt_us = utime_us - last_.utime_us;
   if (!is_known() || dt_us == interval_us_) return this_cam_from_last_cam_ * last_.cam_from_submap;
   const double ratio = std::min(kLongest, static_cast<double>(dt_us) / static_cast<double>(interval_us_));

@@ -59,7 +59,7 @@ PoseCertainty PastPoses::certainty_at(const Frame& posed, const FrontSubmap& sub
   return matched.certainty;
 }
 
-// From where its neighbour in time was.
+// Tracks the frame from its neighbour's pose. Returns false if it finds few landmarks, or an uncertain pose.
 bool PastPoses::track_from(const Frame& neighbour, const std::vector<const Landmark*>& landmarks, double max_image_px,
                            const FrontSubmap& submap, Frame* frame) const {
   const Submap& map = submap.map;

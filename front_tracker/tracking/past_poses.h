@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Poses of frames that were buffered while there was nothing to track them in.
+// Finds poses of frames that were buffered while there was no submap to track them in.
 #pragma once
 
 #include <deque>
@@ -14,15 +14,16 @@ class PastPoses {
  public:
   explicit PastPoses(const TrackingOptions& options) : options_(options) {}
 
-  // Frames before one that was found again, as far back as each can be tracked from the one after it, at most 60: the
-  // camera does not wait. They are added to the submap. Returned in order of time.
+  // Tracks backwards the frames before one that was found again, each from the one after it, until one fails. Adds them
+  // to the submap and returns them in order of time: at most 60, because the camera does not wait.
   std::vector<Frame> track_back(const Frame& found, std::deque<Frame> frames, FrontSubmap* submap) const;
 
-  // Frames from before the submap stood, in order of time. Those that are not `posed` are tracked from the nearest that
-  // is, and added to the submap.
+  // Tracks those of `frames` that are not `posed`, each from a neighbour that is, and adds them to the submap. `frames`
+  // came before the submap began, in order of time.
   void fill_in(std::vector<Frame>* frames, std::vector<bool>* posed, FrontSubmap* submap) const;
 
-  // Of a frame whose pose does not come from what it is matched to. Nothing is known where little is found.
+  // Returns the certainty of a frame whose pose does not come from its matches; an unknown one if it finds few
+  // landmarks.
   PoseCertainty certainty_at(const Frame& posed, const FrontSubmap& submap) const;
 
  private:

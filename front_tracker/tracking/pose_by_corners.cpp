@@ -17,17 +17,17 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr double kWidth_px = 640;  // of the images that radii are told for
+constexpr double kWidth_px = 640;  // width of the images for which radii are given
 
 int refine(const FrontSubmap& submap, Frame* frame, Weights weights = Weights::kEqual,
            const std::vector<EpipolarView>& views = {}) {
   return refine_pose(submap.map.camera, submap.map, submap.octave_scales, frame, weights, views);
 }
 
-// Where more than a few matches contradict the pose of most, something moves by itself, and the most need not be right:
-// then each part of the image has one voice.
+// If more than a few matches contradict the pose of the majority, something moves by itself, and the majority may be
+// wrong. Then each part of the image gets the same weight.
 int refine_by_most_or_by_area(const FrontSubmap& submap, Frame* frame) {
-  constexpr double kUncontested = 0.9;  // of the matches agree
+  constexpr double kUncontested = 0.9;  // share of the matches that agree with the pose
   const SE3 initial = frame->cam_from_submap;
   const std::vector<int> matched = frame->landmark_ids;
   const int all = frame->matches();
@@ -38,14 +38,14 @@ int refine_by_most_or_by_area(const FrontSubmap& submap, Frame* frame) {
   return refine(submap, frame, Weights::kByArea);
 }
 
-// What the frame and the last one have in common, and it and the newest keyframe if that is nearby.
+// Returns the epipolar matches of the frame with the last one, and with the newest keyframe if that is nearby.
 std::vector<EpipolarView> views_of(const FrontSubmap& submap, const Frame& last, const Frame& frame) {
   const Submap& map = submap.map;
   std::vector<EpipolarView> views = {match_epipolar(map.camera, submap.octave_scales,
                                                     {last.features, last.landmark_ids, last.cam_from_submap}, frame)};
   const Keyframe& newest = map.keyframes.rbegin()->second;
   const auto nearby = map.covisible_keyframes(frame.reference_keyframe);
-  const bool is_here = newest.id == frame.reference_keyframe ||  // else the camera was found again elsewhere
+  const bool is_here = newest.id == frame.reference_keyframe ||  // otherwise the camera was found again elsewhere
                        std::any_of(nearby.begin(), nearby.end(), [&](const auto& kf) { return kf.first == newest.id; });
   if (is_here && newest.utime_us != last.utime_us)
     views.push_back(match_epipolar(map.camera, submap.octave_scales,
@@ -53,9 +53,9 @@ std::vector<EpipolarView> views_of(const FrontSubmap& submap, const Frame& last,
   return views;
 }
 
-// What contradicts itself, in blurred images, is no support.
+// True if most epipolar matches agree with the pose. In blurred images they contradict each other and are no support.
 bool agree(const Submap& map, const SE3& cam_from_submap, const std::vector<EpipolarView>& views) {
-  constexpr double kAgree = 0.8;  // of what is matched
+  constexpr double kAgree = 0.8;  // share of the matches that must agree
   size_t agree = 0, all = 0;
   for (const EpipolarView& view : views) {
     all += view.matches.size();
@@ -87,7 +87,7 @@ bool PoseByCorners::match_last_frame(const Place& place, Frame* frame) const {
   const double radius_px = options_.search_radius_px * map.camera.width / kWidth_px;
   const SE3 predicted = frame->cam_from_submap;
   for (const double widen : {1.0, 2.5}) {
-    constexpr int kWorthwhile = 20;  // matches
+    constexpr int kWorthwhile = 20;  // number of matches
     frame->clear_matches();
     frame->cam_from_submap = predicted;
     const ProjectionSearch search{
@@ -98,7 +98,8 @@ bool PoseByCorners::match_last_frame(const Place& place, Frame* frame) const {
   return false;
 }
 
-// The motion model failed (a fast turn, dropped frames): compare descriptors, wherever they are.
+// Compares descriptors without regard to place, for when the motion model fails (a fast turn, dropped frames). Returns
+// false if no pose is found.
 bool PoseByCorners::match_regardless_of_place(const Place& place, Frame* frame) const {
   frame->clear_matches();
   const Submap& map = place.submap.map;
@@ -113,7 +114,7 @@ bool PoseByCorners::match_regardless_of_place(const Place& place, Frame* frame) 
   return true;
 }
 
-// Returns the number of inliers.
+// Matches the landmarks nearby and refines the pose with them. Returns the number of inliers.
 int PoseByCorners::match_local_map(const Place& place, FoundPose* pose) const {
   const FrontSubmap& submap = place.submap;
   Frame* frame = &pose->frame;
@@ -134,15 +135,15 @@ int PoseByCorners::match_local_map(const Place& place, FoundPose* pose) const {
   return inliers;
 }
 
-// In fast motion the detector finds other corners, in a blurred or dark image or of a blank wall it finds few: then
-// less than what tracking takes tells where to look.
+// True if landmarks should be looked for by patches. In fast motion the detector finds other corners; in a blurred or
+// dark image, or on a blank wall, it finds few. Even a pose from few inliers then tells where to look.
 bool PoseByCorners::patches_may_help(const Place& place, const Frame& frame, int inliers) const {
   if (frame.corners == Corners::kFew) return inliers >= options_.min_first_inliers;
   return inliers >= kFewestLandmarks && place.motion.is_known() &&
          place.motion.image_motion(place.submap.map, frame) > options_.patch_motion;
 }
 
-// Why the pose is not known well enough to go on with, by the landmarks that agree or with support; empty if it is.
+// Returns why the pose is not certain enough, even with support by epipolar matches; empty if it is.
 std::string PoseByCorners::doubt(const Place& place, Frame* frame) const {
   frame->certainty = certainty_of(place.submap.map, place.submap.octave_scales, *frame);
   frame->is_believable = frame->certainty.image_px <= options_.uncertain_px;
@@ -153,7 +154,8 @@ std::string PoseByCorners::doubt(const Place& place, Frame* frame) const {
                      frame->certainty.image_px);
 }
 
-// A few landmarks in a corner of the image leave the rotation uncertain by degrees. Returns the number of inliers.
+// Refines the pose with epipolar matches, because a few landmarks in a corner of the image leave the rotation uncertain
+// by degrees. Returns the number of inliers.
 int PoseByCorners::support_by_epipolar_matches(const Place& place, Frame* frame) const {
   const FrontSubmap& submap = place.submap;
   const std::vector<EpipolarView> views = views_of(submap, place.motion.last(), *frame);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A frame's pose from its corners: short-term association with the last frame, then mid-term association with the
+// Finds a frame's pose from its corners: short-term association with the last frame, then mid-term association with the
 // landmarks nearby (equation 5 of the paper).
 #pragma once
 
@@ -17,11 +17,11 @@ class PoseByCorners {
  public:
   explicit PoseByCorners(const TrackingOptions& options) : options_(options) {}
 
-  // The frame has features. Where no pose is found it is left with the keypoints that were moved or added on the way.
+  // The frame must have features. If no pose is found, it keeps the keypoints that were moved or added meanwhile.
   FoundPose find(const FrontSubmap& submap, const MotionModel& motion, Frame frame, PatchTemplates* templates) const;
 
  private:
-  // Where it is looked for: the same for all steps.
+  // The inputs that all steps share.
   struct Place {
     const FrontSubmap& submap;
     const MotionModel& motion;

@@ -6,8 +6,8 @@
 
 namespace rumi::front_tracker {
 
-// Of images that blur or darken the first must become a keyframe, for its corners are what the next are matched with:
-// so after an image with few corners they are looked for again.
+// After an image with few corners, the next one is searched for corners too: the first of the images that blur or
+// darken must become a keyframe, because the next ones are matched with its corners.
 bool PoseByPatches::may_do(const MotionModel& motion, int64_t utime_us) const {
   const double since_corners_s = 1e-6 * static_cast<double>(utime_us - last_corners_us_);
   return motion.is_known() && since_corners_s < options_.corner_interval_s && motion.last().corners != Corners::kFew;
@@ -25,10 +25,11 @@ FoundPose PoseByPatches::find(const FrontSubmap& submap, const MotionModel& moti
   return pose;
 }
 
-// Returns why the pose is not found, or an empty string.
+// Returns why no pose is found, or an empty string.
 std::string PoseByPatches::look(const FrontSubmap& submap, const MotionModel& motion, FoundPose* pose,
                                 PatchTemplates* templates) const {
-  constexpr double kLeastFound = 0.8;  // of the landmarks in view; fewer are where an image begins to blur or darken
+  // The least share of the landmarks in view. Fewer are found when the image begins to blur or darken.
+  constexpr double kLeastFound = 0.8;
   if (submap.images.empty()) return "no keyframe has an image";
   Frame* frame = &pose->frame;
   if (!find_pose_by_patches(submap, motion.last(), frame, templates)) return "too few patches are found";

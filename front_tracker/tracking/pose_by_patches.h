@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A frame's pose without looking for corners in it: in slow motion, soon after an image with corners, the last frame's
+// Finds a frame's pose without detecting corners: in slow motion, soon after an image with corners, the last frame's
 // landmarks are found again by the patches around them.
 //
-// Such a frame becomes no keyframe. So corners are due, too, once the images without have moved by as much as makes a
-// keyframe due.
+// Such a frame cannot become a keyframe. So corners are also detected again once the images without them have moved so
+// far that a keyframe is due.
 #pragma once
 
 #include <memory>
@@ -19,14 +19,14 @@ namespace rumi::front_tracker {
 
 class PoseByPatches {
  public:
-  // `max_motion`: of the images since the last one with corners, in all, see KeyframeOptions.
+  // `max_motion`: limit for the sum over all images since the last one with corners; see KeyframeOptions.
   PoseByPatches(const TrackingOptions& options, double max_motion) : options_(options), max_motion_(max_motion) {}
 
-  // False: the next image needs corners, whatever it shows.
+  // Returns false if the next image must be searched for corners, whatever it shows.
   bool may_do(const MotionModel& motion, int64_t utime_us) const;
   FoundPose find(const FrontSubmap& submap, const MotionModel& motion, int64_t utime_us,
                  std::shared_ptr<const ImagePyramid> images, PatchTemplates* templates) const;
-  // Of each frame that tracking goes on from.
+  // To be called for each frame from which tracking goes on.
   void note(const FoundPose& accepted);
 
  private:
@@ -35,8 +35,8 @@ class PoseByPatches {
 
   TrackingOptions options_;
   double max_motion_;
-  int64_t last_corners_us_ = 0;      // of the last image that corners were looked for in
-  double motion_since_corners_ = 0;  // of the images since then, of their width
+  int64_t last_corners_us_ = 0;      // time of the last image in which corners were detected
+  double motion_since_corners_ = 0;  // sum of the images' motion since then, as a share of their width
 };
 
 }  // namespace rumi::front_tracker

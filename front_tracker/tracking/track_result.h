@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the tracker says of an image.
+// The tracker's result for an image.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace rumi::front_tracker {
 struct TrackResult {
   int64_t utime_us = 0;
   TrackingState state = TrackingState::kNotInitialized;
-  int submap_id = kNoSubmap;  // kNoSubmap: no pose
+  int submap_id = kNoSubmap;  // kNoSubmap if the image has no pose
   int64_t submap_revision = 0;
   int reference_keyframe = kNone;
   SE3 cam_from_keyframe, cam_from_submap;
@@ -21,9 +21,9 @@ struct TrackResult {
   int keypoints = 0, inliers = 0;
 };
 
-// The frame's pose, which the submap has by now.
+// Copies the frame's pose, as the submap has it, into the result.
 void note_pose(const FrontSubmap& submap, const Frame& frame, TrackResult* result);
-// Of earlier frames, which have got their poses since.
+// Returns the results of earlier frames that got their poses only now.
 std::vector<TrackResult> results_afterwards(const FrontSubmap& submap, const std::vector<Frame>& frames);
 
 }  // namespace rumi::front_tracker

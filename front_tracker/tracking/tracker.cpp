@@ -9,6 +9,7 @@
 #include "base/running/stage_clock.h"
 #include "front_tracker/frame/certainty.h"
 #include "front_tracker/tracking/first_map.h"
+#include "front_tracker/tracking/slip.h"
 
 namespace rumi::front_tracker {
 namespace {
@@ -48,9 +49,7 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   posed_afterwards_.clear();
   withdrawn_.clear();
   const Images images = prepare(utime_us, grey, mask);
-  TrackResult result;
-  result.utime_us = utime_us;
-  if (!pose_without_corners(utime_us, images, &result)) pose_with_corners(utime_us, images, &result);
+  TrackResult result = track_image(utime_us, images);
   result.state = state_;
   for (int keyframe : to_map_)
     mapping_.post([this, &submap = active(), keyframe] { mapper_.process(submap, keyframe, map_mutex_); });
@@ -58,8 +57,25 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   return result;
 }
 
+TrackResult Tracker::track_image(int64_t utime_us, const Images& images) {
+  if (state_ == TrackingState::kTracking && by_patches_.may_do(motion_, utime_us)) {
+    const std::scoped_lock lock(map_mutex_);
+    if (std::optional<FoundPose> pose = pose_without_corners(utime_us, images)) return accept(std::move(*pose));
+  }
+  Frame frame = find_corners(utime_us, images);
+  TrackResult result;
+  result.utime_us = utime_us;
+  const int keypoints = static_cast<int>(frame.features->size());
+  const std::scoped_lock lock(map_mutex_);
+  if (std::optional<FoundPose> pose = pose_with_corners(std::move(frame))) result = accept(std::move(*pose));
+  result.keypoints = keypoints;
+  loss_.image(utime_us, result.submap_id != kNoSubmap, posed_afterwards_.size(), withdrawn_.size());
+  return result;
+}
+
 std::optional<TrackResult> Tracker::predict(int64_t utime_us) {
-  constexpr double kUnsure = 0.3;  // of the motion since the last frame
+  constexpr double kUnsure = 0.3;  // standard deviation of the prediction, as a share of the motion since the last
+                                   // frame
   if (utime_us <= last_utime_us_ || state_ != TrackingState::kTracking || !motion_.is_known()) return std::nullopt;
   last_utime_us_ = utime_us;
   posed_afterwards_.clear();
@@ -98,23 +114,11 @@ void Tracker::forget_still_landmarks() {
             forgotten);
 }
 
-bool Tracker::pose_without_corners(int64_t utime_us, const Images& images, TrackResult* result) {
-  if (state_ != TrackingState::kTracking || !by_patches_.may_do(motion_, utime_us)) return false;
-  const std::scoped_lock lock(map_mutex_);
+std::optional<FoundPose> Tracker::pose_without_corners(int64_t utime_us, const Images& images) {
   motion_.follow_mapping(active().map);
   FoundPose pose = by_patches_.find(active(), motion_, utime_us, images, &templates_);
-  if (!pose.found() || history_.scale_drifts(pose.frame, options_.tracking.max_scale_drift)) return false;
-  result->keypoints = static_cast<int>(pose.frame.features->size());
-  accept(std::move(pose), result);
-  return true;
-}
-
-void Tracker::pose_with_corners(int64_t utime_us, const Images& images, TrackResult* result) {
-  FoundPose pose{.frame = find_corners(utime_us, images)};
-  result->keypoints = static_cast<int>(pose.frame.features->size());
-  const std::scoped_lock lock(map_mutex_);
-  if (find_pose(&pose)) accept(std::move(pose), result);
-  loss_.image(utime_us, result->submap_id != kNoSubmap, posed_afterwards_.size(), withdrawn_.size());
+  if (!pose.found() || support_.scale_drifts(pose.frame, options_.tracking.max_scale_drift)) return std::nullopt;
+  return pose;
 }
 
 Frame Tracker::find_corners(int64_t utime_us, const Images& images) {
@@ -127,39 +131,50 @@ Frame Tracker::find_corners(int64_t utime_us, const Images& images) {
   return frame;
 }
 
-bool Tracker::find_pose(FoundPose* pose) {
+std::optional<FoundPose> Tracker::pose_with_corners(Frame frame) {
   switch (state_) {
     case TrackingState::kTracking:
-      // If relocalization finds the camera in this image, it is not lost. Relocalization searches farther than
-      // tracking. It accepts a pose that does not carry the scale on, if it finds enough of the landmarks that should
-      // be in view. The motion to such a pose is unknown, so patches and keyframes of fast motion wait.
-      if (track(pose) || relocalize_where_it_was(pose) || relocalize_anywhere(pose)) return true;
-      lose(*pose);
-      wait_to_begin(pose->frame);
-      return false;
-    case TrackingState::kRecentlyLost:
-      if (relocalize_where_it_was(pose)) return true;
-      if (loss_.seconds_until(pose->frame.utime_us) <= options_.tracking.recently_lost_s) {
-        if (relocalize_anywhere(pose)) return true;
-        wait_to_begin(pose->frame);
-        return false;
+      return track_or_relocalize(std::move(frame));
+    case TrackingState::kRecentlyLost: {
+      if (std::optional<FoundPose> found = relocalize_where_it_was(frame)) return found;
+      if (loss_.seconds_until(frame.utime_us) <= options_.tracking.recently_lost_s) {
+        std::optional<FoundPose> found = relocalize_anywhere(frame);
+        if (!found) wait_to_begin(frame);
+        return found;
       }
       state_ = TrackingState::kLost;
+    }
       [[fallthrough]];
-    case TrackingState::kLost:
-      return relocalize_anywhere(pose) || begin_submap(pose);
+    case TrackingState::kLost: {
+      std::optional<FoundPose> found = relocalize_anywhere(frame);
+      return found ? found : begin_submap(frame);
+    }
     default:  // NOT_INITIALIZED
-      return begin_submap(pose);
+      return begin_submap(frame);
   }
 }
 
-bool Tracker::track(FoundPose* pose) {
+// If relocalization finds the camera in the image, it is not lost. Relocalization searches farther than tracking. It
+// also accepts a pose that does not carry the scale on, if enough of the landmarks that should be in view are found.
+// The motion to such a pose is unknown, so tracking by patches and keyframes for fast motion have to wait.
+std::optional<FoundPose> Tracker::track_or_relocalize(Frame frame) {
+  FoundPose tracked = track(std::move(frame));
+  if (tracked.found()) return tracked;
+  std::optional<FoundPose> found = relocalize_where_it_was(tracked.frame);
+  if (!found) found = relocalize_anywhere(tracked.frame);
+  if (found) return found;
+  lose(tracked);
+  wait_to_begin(tracked.frame);
+  return std::nullopt;
+}
+
+FoundPose Tracker::track(Frame frame) {
   motion_.follow_mapping(active().map);
-  *pose = by_corners_.find(active(), motion_, std::move(pose->frame), &templates_);
-  count_sights(*pose, &active().map);
-  if (pose->found() && history_.scale_drifts(pose->frame, options_.tracking.max_scale_drift))
-    pose->why_not = "the scale is not known any more";
-  return pose->found();
+  FoundPose pose = by_corners_.find(active(), motion_, std::move(frame), &templates_);
+  count_sights(pose, &active().map);
+  if (pose.found() && support_.scale_drifts(pose.frame, options_.tracking.max_scale_drift))
+    pose.why_not = "the scale is not known any more";
+  return pose;
 }
 
 void Tracker::lose(const FoundPose& pose) {
@@ -172,91 +187,98 @@ void Tracker::lose(const FoundPose& pose) {
                .why = pose.why_not});
 }
 
-void Tracker::accept(FoundPose pose, TrackResult* result) {
+TrackResult Tracker::accept(FoundPose pose) {
   state_ = TrackingState::kTracking;
   initializer_.clear();
-  result->is_keyframe = add_to_submap(&pose);
-  note_pose(active(), pose.frame, result);
+  const bool began_submap = active().map.frame(pose.frame.utime_us) != nullptr;
+  const bool is_keyframe = began_submap || is_keyframe_due(pose);
+  if (!began_submap) pose.frame = add_to_submap(std::move(pose.frame), is_keyframe);
+  TrackResult result;
+  result.utime_us = pose.frame.utime_us;
+  result.is_keyframe = is_keyframe;
+  result.keypoints = static_cast<int>(pose.frame.features->size());
+  note_pose(active(), pose.frame, &result);
   by_patches_.note(pose);
-  history_.add(pose.frame);
+  support_.add(pose.frame);
   if (pose.motion)
     motion_.go_on(std::move(pose.frame));
   else
     motion_.begin_at(std::move(pose.frame));
+  return result;
 }
 
-// Adds the frame, as a keyframe if one is due. Returns whether it is a keyframe.
-bool Tracker::add_to_submap(FoundPose* pose) {
-  constexpr int kMostWaiting = 2;  // keyframes for the mapper
+bool Tracker::is_keyframe_due(const FoundPose& pose) const {
+  constexpr int kMostWaiting = 2;  // keyframes that wait for the mapper
+  return mapping_.pending() <= kMostWaiting &&
+         keyframe_policy_.is_due(submaps_[active_]->map, pose.frame, pose.motion.value_or(0));
+}
+
+Frame Tracker::add_to_submap(Frame frame, bool as_keyframe) {
   FrontSubmap& submap = active();
-  Frame* frame = &pose->frame;
-  if (submap.map.frame(frame->utime_us)) return true;  // it began the submap
-  const Keyframe* reference = submap.map.keyframe(frame->reference_keyframe);
-  frame->cam_from_keyframe = frame->cam_from_submap * reference->cam_from_submap.inverse();
-  const bool is_keyframe =
-      mapping_.pending() <= kMostWaiting && keyframe_policy_.is_due(submap.map, *frame, pose->motion.value_or(0));
-  if (is_keyframe) {
-    const Keyframe& kf = submap.add_keyframe(frame);
-    note_certainty(kf.id, frame->certainty, &submap);
+  const Keyframe* reference = submap.map.keyframe(frame.reference_keyframe);
+  frame.cam_from_keyframe = frame.cam_from_submap * reference->cam_from_submap.inverse();
+  if (as_keyframe) {
+    const Keyframe& kf = submap.add_keyframe(&frame);
+    note_certainty(kf.id, frame.certainty, &submap);
     submap.keep_images(options_.mapping.keyframe_images);
-    keyframe_policy_.note_keyframe(frame->utime_us);
+    keyframe_policy_.note_keyframe(frame.utime_us);
     add_to_index_and_map(kf);
   }
-  submap.add_frame(*frame);
-  return is_keyframe;
+  submap.add_frame(frame);
+  return frame;
 }
 
-bool Tracker::relocalize_where_it_was(FoundPose* pose) {
-  return relocalize(active_, motion_.last().reference_keyframe, pose);
+std::optional<FoundPose> Tracker::relocalize_where_it_was(const Frame& frame) {
+  return relocalize(active_, motion_.last().reference_keyframe, frame);
 }
 
-bool Tracker::relocalize_anywhere(FoundPose* pose) {
-  for (const Relocalizer::Candidate& c : relocalizer_.candidates(pose->frame))
-    if (relocalize(c.submap_index, c.keyframe_id, pose)) return true;
-  return false;
+std::optional<FoundPose> Tracker::relocalize_anywhere(const Frame& frame) {
+  for (const Relocalizer::Candidate& c : relocalizer_.candidates(frame))
+    if (std::optional<FoundPose> found = relocalize(c.submap_index, c.keyframe_id, frame)) return found;
+  return std::nullopt;
 }
 
-bool Tracker::relocalize(size_t submap_index, int keyframe_id, FoundPose* pose) {
+std::optional<FoundPose> Tracker::relocalize(size_t submap_index, int keyframe_id, const Frame& frame) {
   const StageClock clock("front_tracker.find_again");
-  if (!relocalizer_.relocalize(submaps_[submap_index]->map, keyframe_id, &pose->frame)) return false;
-  go_on_in(submap_index, pose);
-  return true;
+  std::optional<Frame> found = relocalizer_.relocalize(submaps_[submap_index]->map, keyframe_id, frame);
+  if (!found) return std::nullopt;
+  return go_on_in(submap_index, std::move(*found));
 }
 
-// This begins a submap, too: one that has all keyframes and landmarks of the back submap.
-bool Tracker::go_on_in_back_submap(FoundPose* pose) {
-  std::optional<Submap> back = back_submaps_.relocalize(&pose->frame);
-  if (!back) return false;
-  const int back_id = back->key.id;
-  const FrontSubmap& submap = open_submap(std::move(*back));
+// Begins a submap with all keyframes and landmarks of the back submap in which the frame is found.
+std::optional<FoundPose> Tracker::go_on_in_back_submap(const Frame& frame) {
+  std::optional<BackSubmaps::Found> back = back_submaps_.relocalize(frame);
+  if (!back) return std::nullopt;
+  const int back_id = back->submap.key.id;
+  const FrontSubmap& submap = open_submap(std::move(back->submap));
   const size_t index = submaps_.size() - 1;
   for (const auto& [id, kf] : submap.map.keyframes) relocalizer_.add_keyframe(index, submap.map, kf);
-  go_on_in(index, pose);
+  FoundPose pose = go_on_in(index, std::move(back->frame));
   loss_.set_outcome(
       fmt::format("found again in back submap {}: submap {} goes on from it", back_id, submap.map.key.id));
-  return true;
+  return pose;
 }
 
-void Tracker::go_on_in(size_t submap_index, FoundPose* pose) {
+FoundPose Tracker::go_on_in(size_t submap_index, Frame found) {
   activate(submap_index);
-  *pose = {.frame = std::move(pose->frame)};
-  withdraw_slip(&pose->frame);
+  forget_slip(&found);
   posed_afterwards_ =
-      results_afterwards(active(), past_poses_.track_back(pose->frame, initializer_.take_frames(), &active()));
-  if (state_ == TrackingState::kLost) keyframe_policy_.note_found_again(pose->frame.utime_us);
+      results_afterwards(active(), past_poses_.track_back(found, initializer_.take_frames(), &active()));
+  if (state_ == TrackingState::kLost) keyframe_policy_.note_found_again(found.utime_us);
   loss_.set_outcome(fmt::format("found again in submap {}", active().map.key.id));
   if (!loss_.is_open())
-    log_debug("found by another look in submap {} at {} with {} matches", active().map.key.id, pose->frame.utime_us,
-              pose->frame.matches());
+    log_debug("found by another look in submap {} at {} with {} matches", active().map.key.id, found.utime_us,
+              found.matches());
+  return {.frame = std::move(found)};
 }
 
-void Tracker::withdraw_slip(Frame* found) {
-  withdrawn_ = history_.withdraw_slip(relocalizer_, *found, &active());
+void Tracker::forget_slip(Frame* found) {
+  withdrawn_ = withdraw_slip(relocalizer_, *found, &support_, &active());
   if (withdrawn_.empty()) return;
   templates_.clear();
   for (int& id : found->landmark_ids)
     if (id != kNone && !active().map.landmark(id)) id = kNone;
-  log_line(loss_.is_open() ? LogLevel::kDebug : LogLevel::kInfo,  // otherwise the message about the loss says it
+  log_line(loss_.is_open() ? LogLevel::kDebug : LogLevel::kInfo,  // if a loss is open, its message says this
            fmt::format("submap {} is torn: {} frames from {} on have no pose any more", active().map.key.id,
                        withdrawn_.size(), withdrawn_.front()));
 }
@@ -266,28 +288,28 @@ void Tracker::wait_to_begin(const Frame& frame) {
   initializer_.buffer(frame);
 }
 
-bool Tracker::begin_submap(FoundPose* pose) {
+std::optional<FoundPose> Tracker::begin_submap(const Frame& frame) {
   const StageClock clock("front_tracker.begin_submap");
-  if (go_on_in_back_submap(pose)) return true;
-  auto initial = initializer_.add(pose->frame);
+  if (std::optional<FoundPose> found = go_on_in_back_submap(frame)) return found;
+  Result<InitialMap> initial = initializer_.add(frame);
   if (!initial) {
-    log_debug("no new submap at {}: {}", pose->frame.utime_us, initializer_.refusal());
-    return false;
+    log_debug("no new submap at {}: {}", frame.utime_us, initial.error_text());
+    return std::nullopt;
   }
   FrontSubmap& submap = open_submap({});
   activate(submaps_.size() - 1);
   std::vector<Frame> frames = add_first_map(std::move(*initial), extractor_, past_poses_, &submap);
-  pose->frame = std::move(frames.back());
+  FoundPose pose{.frame = std::move(frames.back())};
   frames.pop_back();
   posed_afterwards_ = results_afterwards(submap, frames);
-  keyframe_policy_.note_keyframe(pose->frame.utime_us);
+  keyframe_policy_.note_keyframe(pose.frame.utime_us);
   for (const auto& [id, kf] : submap.map.keyframes) add_to_index_and_map(kf);
   loss_.set_outcome(fmt::format("submap {} begins", submap.map.key.id));
   if (!loss_.is_open())
     log_info("submap {} begins at {:.2f} s: {} images have a pose in it, {} landmarks", submap.map.key.id,
-             1e-6 * static_cast<double>(pose->frame.utime_us - first_utime_us_), submap.map.frames.size(),
+             1e-6 * static_cast<double>(pose.frame.utime_us - first_utime_us_), submap.map.frames.size(),
              submap.map.landmarks.size());
-  return true;
+  return pose;
 }
 
 FrontSubmap& Tracker::open_submap(Submap known) {
@@ -300,7 +322,7 @@ FrontSubmap& Tracker::open_submap(Submap known) {
 
 void Tracker::activate(size_t submap_index) {
   if (submap_index == active_) return;
-  history_.clear();
+  support_.clear();
   templates_.clear();
   active().keep_images(0);
   active_ = submap_index;

@@ -15,7 +15,7 @@ struct TrackerOptions {
   TrackingOptions tracking;
   KeyframeOptions keyframes;
   MappingOptions mapping;
-  bool mapping_thread = true;  // false: mapping is done before the next frame (replay: repeatable)
+  bool mapping_thread = true;  // false: mapping ends before the next frame, so that a replay is repeatable
 };
 
 }  // namespace rumi::front_tracker

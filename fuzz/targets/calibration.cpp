@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A camera calibration of any of the kinds that are read, as a file and as the text that comes with images; what is
-// good is used and written again, and so are the file's other cameras, by their names.
+// A camera calibration in any format that rumi reads, as a file and as the text that comes with images. A good camera
+// is used, written and read again; the file's other cameras are read by their names.
 #include "bus/wire/calibration.h"
 #include "bus/wire/working_image.h"
 #include "formats/camera/camera_file.h"
@@ -10,10 +10,10 @@
 namespace rumi::fuzz {
 namespace {
 
-void use(const CameraFileResult& result) {
-  if (!result.ok()) return;
-  const Camera& camera = result.camera;
-  if (!parse_camera(camera_to_yaml(camera), "again").ok()) throw std::logic_error("a camera is not read back");
+void use(const Result<CameraFile>& result) {
+  if (!result) return;
+  const Camera& camera = result->camera;
+  if (!parse_camera(camera_to_yaml(camera), "again")) throw std::logic_error("a camera is not read back");
   camera.undistort({0, 0});
   camera.project({0.1, 0.2, 1});
   working_camera(camera, 640);
@@ -22,14 +22,14 @@ void use(const CameraFileResult& result) {
 void run(View input) {
   use(parse_camera(to_text(input), "input"));
   const std::string file = scratch().write("camera", input);
-  CameraFileResult result = read_camera_file(file);
+  Result<CameraFile> result = read_camera_file(file);
   use(result);
-  if (result.others.empty()) return;
+  if (!result || result->others.empty()) return;
   for (const std::string name : {"cam1", "2", "Infrared 1"}) use(read_camera_file(file + ":" + name));
-  const CameraFileResult::Other other = result.others.back();
+  const CameraFile::Other other = result->others.back();
   use(read_camera_file(file + ":" + other.lens));
-  advice_on_size(result, other.camera.width, other.camera.height);
-  choose_size(other.camera.width, other.camera.height, &result);
+  advice_on_size(*result, other.camera.width, other.camera.height);
+  choose_size(other.camera.width, other.camera.height, &*result);
   use(result);
 }
 

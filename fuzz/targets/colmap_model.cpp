@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The model that COLMAP leaves: the input is cameras.bin, images.bin and points3D.bin, each after its length.
+// A model as COLMAP writes it. The input is cameras.bin, images.bin and points3D.bin, each preceded by its length.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -15,7 +15,7 @@ namespace {
 using namespace ruminator;
 
 constexpr const char* kFiles[] = {"cameras.bin", "images.bin", "points3D.bin"};
-const std::vector<int> kKeypoints = {3, 3, 4};  // of each image
+const std::vector<int> kKeypoints = {3, 3, 4};  // number per image; a track must not refer to any other
 
 void run(View input) {
   std::filesystem::create_directory(scratch() / "model");
@@ -26,9 +26,9 @@ void run(View input) {
     scratch().write(std::string("model/") + name, input.first(length));
     input = input.subspan(length);
   }
-  const SparseModelFile file = read_colmap_model(scratch() / "model", kKeypoints);
-  if (!file.ok()) return;
-  for (const SparseModel::Point& point : file.model.points)
+  const Result<SparseModel> model = read_colmap_model(scratch() / "model", kKeypoints);
+  if (!model) return;
+  for (const SparseModel::Point& point : model->points)
     for (const auto& [image, keypoint] : point.track)
       if (keypoint < 0 || keypoint >= kKeypoints.at(static_cast<size_t>(image)))
         throw std::logic_error("a keypoint that is not there has got through");
@@ -53,7 +53,7 @@ std::vector<Bytes> seeds() {
   for (int k = 0; k < 3; ++k) model.points.push_back({{1.0 * k, 0, 3}, {{0, k}, {1, k}, {2, k}}});
   const std::string folder = scratch() / "seed";
   std::filesystem::create_directory(folder);
-  if (!write_colmap_model(folder, good_camera(), images, model).empty()) return {{}};
+  if (!write_colmap_model(folder, good_camera(), images, model)) return {{}};
   Bytes seed;
   for (const char* name : kFiles) {
     const Bytes bytes = contents(folder + "/" + name);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A config file with the options of every component, or, where it begins with '=', a --set.
+// A config file with the options of every component or, if the input begins with '=', an argument of --set.
 #include "fuzz/target.h"
 #include "rumi/run/all_options.h"
 
 namespace rumi::fuzz {
 namespace {
 
-// Made once: that takes longer than most inputs.
+// Making the table takes longer than most inputs, so it is made once.
 class Options {
  public:
   Options() { describe(table_, options_); }

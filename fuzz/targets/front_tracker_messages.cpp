@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages to front_tracker: images, what map_server says of the map, and the back submaps that it sends. Beside the
-// images of the input there are those of a small scene that it can track.
+// Messages to front_tracker: images, the state of the map, and back submaps from map_server. Besides the images in the
+// input there are pictures of a small scene that it can track.
 #include <array>
 #include <random>
 
@@ -18,7 +18,7 @@ using namespace front_tracker;
 enum Channel : uint8_t { kCamera, kStatus, kChunk, kAck };
 constexpr int kPictures = 16, kPictureWidth = 160, kPictureHeight = 120;
 constexpr int kPatches = 220, kPatchSide = 9;
-constexpr double kStep = 0.05;  // from picture to picture
+constexpr double kStep = 0.05;  // sideways motion from one picture to the next, in the scene's unit
 
 Camera picture_camera() {
   Camera camera;
@@ -30,7 +30,7 @@ Camera picture_camera() {
   return camera;
 }
 
-// Patches of noise in space, the farthest first, seen from a camera that moves sideways.
+// Draws patches of noise at places in the scene, the farthest first, as a camera that moves sideways sees them.
 std::array<cv::Mat, kPictures> draw_pictures() {
   std::mt19937 random(3);
   const auto uniform = [&](double low, double high) { return low + (high - low) * (random() % 4096) / 4096.0; };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An image_t as it comes from the network or out of a log: decoded in all the ways that there are.
+// An image_t as it comes from the network or a log, which is decoded in every way.
 #include "bus/wire/image_codec.h"
 #include "bus/wire/working_image.h"
 #include "fuzz/good_messages.h"
@@ -11,11 +11,11 @@ namespace {
 void run(View input) {
   image_t image;
   if (!Bus::decode(input, &image)) return;
-  std::string error;
-  decode_grey(image, &error);
-  decode_bgr(image, &error);
-  for (const int reduction : {2, 4, 8}) decode_reduced_grey(image, reduction, &error);
-  decode_working_image(image, good_camera(), working_camera(good_camera(), kWidth / 2), &error);
+  // The image may be refused; the code must only not crash.
+  (void)decode_grey(image);
+  (void)decode_bgr(image);
+  for (const int reduction : {2, 4, 8}) (void)decode_reduced_grey(image, reduction);
+  (void)decode_working_image(image, good_camera(), working_camera(good_camera(), kWidth / 2));
 }
 
 std::vector<Bytes> seeds() {

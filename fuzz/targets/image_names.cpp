@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the names of images say, a name a line: which of them are one camera's, when they were taken, and in which order
-// they are played. Byte 0 chooses whether the first line is a pattern.
+// Names of images, one per line: which of them one camera took, when they were taken, and in which order they are
+// played. Byte 0 chooses whether the first line is a pattern that selects images.
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
@@ -40,7 +40,7 @@ void check(const FrameOrder& order, size_t count) {
   for (const size_t frame : order.duplicates) ++seen.at(frame);
   for (const size_t frame : order.wrong_times) ++seen.at(frame);
   const bool is_each_there_once = std::all_of(seen.begin(), seen.end(), [](int times) { return times == 1; });
-  if (order.error.empty() && !is_each_there_once) throw std::logic_error("a frame is lost, or there twice");
+  if (!is_each_there_once) throw std::logic_error("a frame is lost, or there twice");
 }
 
 void run(View input) {
@@ -51,11 +51,11 @@ void run(View input) {
   std::vector<std::string> names;
   for (std::string line; std::getline(in, line);) names.push_back(line);
   std::sort(names.begin(), names.end(), natural_less);
-  const ImageChoice choice = choose_images(names, pattern);
+  const ImageChoice choice = choose_images(names, pattern).value_or(ImageChoice());
   std::vector<std::string> kept;
   for (const size_t i : choice.kept) kept.push_back(names.at(i));
   const std::vector<int64_t> utimes = times_of(kept);
-  check(order_frames(utimes), utimes.size());
+  if (const Result<FrameOrder> order = order_frames(utimes)) check(*order, utimes.size());
 }
 
 std::vector<Bytes> seeds() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// map.db. Byte 0 even: the rest is the file. Odd: it is a list of changes to the cells of a good one, seven bytes each,
-// because few changes of a file get past SQLite's own checks. What can be loaded is served.
+// map.db. If byte 0 is even, the rest is the file. If it is odd, the rest is a list of changes of 7 bytes each to the
+// cells of a good file, because SQLite itself refuses most damaged files. A map_server serves what can be loaded.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -13,7 +13,7 @@
 #include "fuzz/good_messages.h"
 #include "fuzz/scratch.h"
 #include "map_server/map_server_node.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/output_files.h"
 
 namespace rumi::fuzz {
 namespace {
@@ -33,22 +33,22 @@ Bytes make_good_file() {
   Atlas atlas;
   for (const SubmapKey& key : {SubmapKey{kSession, 1}, SubmapKey{kSession, -1}}) {
     const submap_update_t update = make_submap_update(good_submap(key, 2), 0);
-    if (!atlas.change_submap(key, [&](Submap* s) { return apply_submap_update(update, s); }).empty())
-      throw std::logic_error("no good submap");
+    const auto apply = [&](Submap* s) { return apply_submap_update(update, s); };
+    if (!atlas.change_submap(key, apply)) throw std::logic_error("no good submap");
   }
   Placement placement;
   placement.map_from_submap[kSession + 100'000] = Sim3();
   placement.landmarks[0] = {1, 2, 3};
   placement.fused[1] = {{kSession, 1}, 2};
-  atlas.place_map({{{kSession, 1}, {}}, {{kSession, -1}, placement}});
+  atlas.place_map(PlacedMap::make({{{kSession, 1}, {}}, {{kSession, -1}, placement}}).value()).value();
   Link link;
   link.a = {kSession, 1};
   link.b = {kSession, -1};
-  atlas.set_links({link});
+  if (!atlas.set_links({link})) throw std::logic_error("no good link");
   atlas.record_frame({kSession + 100'000}, {.session = kSession, .state = TrackingState::kTracking, .submap_id = 1});
   {
-    MapStore store(file);
-    if (!store.save(atlas, {ImageId{kSession + 100'000}}).empty() || !store.write_copy(copy).empty())
+    MapStore store = MapStore::open(file).value();
+    if (!store.save(atlas, {ImageId{kSession + 100'000}}) || !store.write_copy(copy))
       throw std::logic_error("no good database");
   }
   return contents(copy);
@@ -99,7 +99,8 @@ std::string value_of(uint8_t kind, int16_t number, const std::string& old) {
   }
 }
 
-// change: table, column, row, what, its number; the last bit of byte 6 removes the row instead.
+// Applies the 7 bytes of `change`: table, column, row, kind of the new value, and a number for it (two bytes). If the
+// lowest three bits of the last byte are set, it removes the row instead.
 void apply(Database& db, View change) {
   const std::vector<std::string> tables = column(db, "SELECT name FROM sqlite_master WHERE type = 'table'");
   if (tables.empty()) return;
@@ -125,7 +126,7 @@ void write_changed(const std::string& file, View changes) {
   for (size_t i = 0; i < kMostChanges && changes.size() >= kChangeBytes; ++i, changes = changes.subspan(kChangeBytes)) {
     try {
       apply(db, changes);
-    } catch (const SqliteError&) {  // against a constraint of the schema
+    } catch (const SqliteError&) {  // the change violates a constraint of the schema
     }
   }
 }
@@ -153,11 +154,12 @@ void run(View input) {
     write_changed(file, input.subspan(1));
   else
     scratch().write("map.db", input.subspan(1));
+  const Result<Atlas> atlas = load_atlas(file, std::chrono::milliseconds(0));
+  if (!atlas) return;
+  write_outputs(*atlas, scratch() / "outputs");
   try {
-    const Atlas atlas = MapStore::copy_in_memory(file, std::chrono::milliseconds(0)).load();
-    write_outputs(atlas, scratch() / "outputs");
     serve(file);
-  } catch (const std::runtime_error&) {  // what it says of a file that it cannot use
+  } catch (const std::runtime_error&) {  // map_server does not start with a file that it cannot use
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages to map_server: updates of submaps, frames, questions, acknowledgements, masks.
+// Messages to map_server: updates of submaps, tracked frames, requests, acknowledgements and masks.
 #include "bus/process/safe_node.h"
 #include "fuzz/good_messages.h"
 #include "map_server/map_server_node.h"

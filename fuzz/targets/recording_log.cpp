@@ -23,9 +23,9 @@ void run(View input) {
   options.live_stamps = (input[0] & 8) != 0;
   options.rate_hz = (input[0] & 16) != 0 ? 30 : 0;
   camera_driver::OpenedSource opened = camera_driver::open_recording(file, options);
-  if (!opened.ok()) return;
+  if (!opened) return;
   MemoryBus bus;
-  camera_driver::CameraNode node(bus, std::move(opened.source), options);
+  camera_driver::CameraNode node(bus, std::move(*opened), options);
   if ((input[0] & 32) != 0) {
     for (int i = 0; i < kMostImages && node.next_utime_us(); ++i) node.publish_next();
     return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A ROS bag as a recording, and as a truth. Byte 0 chooses the kind that it is taken for, and the options.
+// A ROS bag, read as a recording and as a truth. Byte 0 chooses the file's extension and the options.
 #include "bus/wire/calibration.h"
 #include "camera_driver/open_source.h"
 #include "formats/bag/bag_poses.h"
@@ -27,7 +27,7 @@ void run(View input) {
   options.encoding = (input[0] & 16) != 0 ? "rgb" : "auto";
   const std::string file = scratch().write(std::string("bag") + extension_by(input[0]), input.subspan(1));
   const camera_driver::OpenedSource opened = camera_driver::open_recording(file, options);
-  for (int i = 0; opened.ok() && i < kMostImages && opened.source->next(); ++i) {
+  for (int i = 0; opened && i < kMostImages && (*opened)->next(); ++i) {
   }
   poses_in_bag(file, options.log_channel);
 }

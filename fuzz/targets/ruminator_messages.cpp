@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages to ruminator: images, masks, and tracking that is lost and found again. A window is checked as its file
-// would be, and what rebuilds it is a stand-in.
+// Messages to ruminator: images, masks, and tracking that is lost and found again. A complete window is checked as one
+// from a file would be; a stand-in takes the place of the rebuild.
 #include "bus/process/safe_node.h"
 #include "fuzz/good_messages.h"
 #include "ruminator/ruminator_node.h"
@@ -17,8 +17,8 @@ BuildResult build(const WindowJob& job, const std::string&, const std::function<
                   const std::atomic<bool>&) {
   progress({.stage = BuildStage::kMapping, .fraction = 0.5, .remaining_s = 1});
   BuildResult result;
-  if (!check_window_job(job).empty() || job.images.size() % 2 == 0)
-    result.failure = "this one is to fail";
+  if (!check_window_job(job) || job.images.size() % 2 == 0)
+    result.submap = Error{"this one is to fail"};
   else
     result.submap = good_submap({job.window.session, -job.window.id}, 2);
   return result;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What an earlier ruminator left in the spool: byte 0 chooses whether the rest is a window or a back submap.
+// A file that an earlier ruminator left in the spool. Byte 0 chooses whether the rest is a window or a back submap.
 #include <filesystem>
 
 #include "bus/transport/memory_bus.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rumi status` hears.
+// The messages that `rumi status` hears.
 #include "base/text/json_text.h"
 #include "bus/wire/map_overview.h"
 #include "fuzz/good_messages.h"

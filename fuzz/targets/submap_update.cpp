@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Updates of one submap, one after another, as every process takes them: payloads of a script.
+// Updates of one submap, applied one after another as every process applies them. They are the payloads of a script.
 #include "bus/wire/submap_update.h"
 
 #include "fuzz/good_messages.h"
@@ -14,10 +14,10 @@ void run(View input) {
   for (const Event& event : parse_script(input)) {
     submap_update_t update;
     if (event.bytes.size() < 2 || !Bus::decode(View(event.bytes).subspan(2), &update)) continue;
-    if (!apply_submap_update(update, &submap).empty() || submap.revision == 0) continue;
+    if (!apply_submap_update(update, &submap) || submap.revision == 0) continue;
     for (const auto& [utime_us, frame] : submap.frames) submap.cam_from_submap(frame);
     Submap copy;
-    const std::string wrong = apply_submap_update(make_submap_update(submap, 0), &copy);
+    const std::string wrong = apply_submap_update(make_submap_update(submap, 0), &copy).error_text();
     if (!wrong.empty()) throw std::logic_error("what was taken is not taken again: " + wrong);
     map_server::place(submap, {});
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rumi evaluate` and `rumi synth` read: byte 0 chooses which file of a run's folder the rest is, or the truth, or
-// the path of a camera. The other files are good.
+// Files that `rumi evaluate` and `rumi synth` read. Byte 0 chooses which file the rest is: one of a run's folder, one
+// of the truth, or the path of a camera. All other files are good.
 #include <filesystem>
 
 #include "base/text/json_text.h"
@@ -38,18 +38,15 @@ void make_folder() {
 }
 
 void evaluate(const std::string& truth) {
-  tool::RunEvaluation evaluation;
-  if (tool::evaluate_folder(scratch() / "run", scratch() / truth, {}, {}, &evaluation).empty())
-    json_text(tool::to_json(evaluation), 2);
+  const Result<tool::RunEvaluation> evaluation = tool::evaluate_folder(scratch() / "run", scratch() / truth);
+  if (evaluation) json_text(tool::to_json(*evaluation), 2);
 }
 
 void follow(const std::string& file) {
-  try {
-    const synth::CameraPath path = synth::CameraPath::load(file);
-    path.at(path.times_s().front());
-    path.up();
-  } catch (const std::runtime_error&) {  // what it says of a file that it cannot use
-  }
+  const Result<synth::CameraPath> path = synth::CameraPath::load(file);
+  if (!path) return;
+  path->at(path->times_s().front());
+  path->up();
 }
 
 void run(View input) {
@@ -70,7 +67,7 @@ std::vector<Bytes> seeds() {
     Bytes& bytes = all.emplace_back(to_bytes(std::string(i < kFileCount ? kFiles[i].good : kTum)));
     bytes.insert(bytes.begin(), static_cast<uint8_t>(i));
   }
-  constexpr uint8_t kTruth = 4;  // of kFiles
+  constexpr uint8_t kTruth = 4;  // index of truth/truth.txt in kFiles
   for (const char* text : {kKitti, kPositions, kNamed}) {
     all.push_back(to_bytes(std::string(text)));
     all.back().insert(all.back().begin(), kTruth);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Chunks to a receiver and acknowledgements to a sender, with little room.
+// Chunks to a receiver and acknowledgements to a sender, both with little memory.
 #include "bus/transfer/chunked_transfer.h"
 #include "fuzz/good_messages.h"
 
@@ -9,7 +9,7 @@ namespace {
 enum Channel : uint8_t { kData, kAck };
 constexpr size_t kPayloadBytes = 5000;
 
-// Both as a node.
+// The sender and the receiver, as one node that play() can drive.
 class Ends : public Node {
  public:
   explicit Ends(Bus& bus)
@@ -53,7 +53,7 @@ Event chunk(int32_t index, int32_t count, size_t bytes) {
   c.total_size = static_cast<int64_t>(bytes) * count;
   c.data.assign(bytes, 0);
   c.size = static_cast<int32_t>(bytes);
-  c.checksum = 0x2EA5A2C2;  // wrong: asked for again
+  c.checksum = 0x2EA5A2C2;  // wrong, so the receiver asks for the payload again
   return message(kData, c);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The truth of `rumi evaluate`, as whatever tool wrote it. Byte 0 chooses which file the rest is (the truth, or one
-// beside it that says what it is of), and what is known of the run.
+// The truth of `rumi evaluate`, in the formats of various tools. Byte 0 chooses what is known of the run and which file
+// the rest is: the truth, or a file beside it with its times or with the pose of a sensor.
 #include <filesystem>
 #include <stdexcept>
 
@@ -12,7 +12,7 @@ namespace {
 
 struct File {
   const char *name, *good;
-  const char* truth;  // which is read with it
+  const char* truth;  // the truth to read: this file, or a truth beside which this file is read
 };
 constexpr const char* kEuroc =
     "#timestamp,x,y,z,w,x,y,z\n1403636579763555584,0,0,0,1,0,0,0\n1403636579813555456,1,0,0,1,0,0,0\n";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A video: its times, and its first frames. Byte 0 chooses whether there is a rate. What goes wrong inside FFmpeg is
-// its own: what is looked for is what becomes of the numbers and pixels that it hands over.
+// A video: its times and its first frames. Byte 0 chooses whether a frame rate is given. Faults of FFmpeg itself are
+// not looked for, only faults of our code in handling the numbers and pixels that FFmpeg returns.
 #include "bus/wire/calibration.h"
 #include "camera_driver/open_source.h"
 #include "fuzz/good_messages.h"
@@ -20,7 +20,7 @@ void run(View input) {
   options.rate_hz = (input[0] & 1) != 0 ? 30 : 0;
   const std::string file = scratch().write("video", input.subspan(1));
   const camera_driver::OpenedSource opened = camera_driver::open_recording(file, options);
-  for (int i = 0; opened.ok() && i < kMostImages && opened.source->next(); ++i) {
+  for (int i = 0; opened && i < kMostImages && (*opened)->next(); ++i) {
   }
 }
 
@@ -48,7 +48,7 @@ std::vector<Bytes> seeds() {
     options.frames = 6;
     options.container = kind.container, options.codec = kind.codec, options.pixels = kind.pixels;
     options.b_frames = kind.b_frames;
-    if (!testing::write_video(file, options)) continue;  // this FFmpeg cannot
+    if (!testing::write_video(file, options)) continue;  // this build of FFmpeg cannot write it
     all.push_back(
         to_bytes(std::string(1, options.container == std::string("h264") ? '\1' : '\0') + testing::read_file(file)));
   }

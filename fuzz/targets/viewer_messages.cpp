@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages to viewer_offscreen, which asks for the submaps of the map that it was told of. It draws a picture only
-// where an input lets enough time pass: one costs as much as hundreds of messages.
+// Messages to viewer_offscreen: images, tracked frames, the state of the map, and submaps as answers to its requests.
+// It draws a picture only when enough time of the bus has passed, as a picture costs as much as hundreds of messages.
 #include "bus/process/safe_node.h"
 #include "fuzz/good_messages.h"
 #include "viewer_offscreen/viewer_node.h"

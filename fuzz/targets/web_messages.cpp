@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rumi web` hears of the system while somebody looks, and what it makes of it.
+// The messages that `rumi web` receives while a page is open, and the answers that it makes from them.
 #include "base/text/json_text.h"
 #include "fuzz/good_messages.h"
 #include "rumi/web/live_image.h"

@@ -7,10 +7,10 @@ namespace rumi::map_server {
 namespace {
 
 constexpr size_t kMinRun = 4;
-constexpr size_t kMinRunShare = 3;  // one of so many keyframes
+constexpr size_t kMinRunShare = 3;  // a run has at least a third of the shared keyframes
 
 struct Span {
-  int64_t first_us = 0, last_us = 0;  // of the keyframes
+  int64_t first_us = 0, last_us = 0;  // times of the first and last keyframe
   explicit Span(const Submap& submap) {
     first_us = last_us = submap.keyframes.begin()->second.utime_us;
     for (const auto& [id, keyframe] : submap.keyframes) {
@@ -29,7 +29,7 @@ bool observes(const Submap& submap, const Landmark& landmark, const Observation&
   return (submap.camera.project_undistorted(in_cam) - seen).norm() <= max_error_px * scale;
 }
 
-// Does the submap hang together between the keyframes before `utime_us` and those from it on?
+// True if enough landmarks are observed, with small errors, both before `utime_us` and from it on.
 bool hangs_together_at(int64_t utime_us, const Submap& submap, int min_landmarks, double min_ratio,
                        double max_error_px) {
   int on_both_sides = 0, right_on_both = 0;

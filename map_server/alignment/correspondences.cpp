@@ -18,7 +18,7 @@ std::map<int64_t, int> keyframes_by_time(const Submap& submap) {
   return by_time;
 }
 
-// The pixels of the keypoints that observe a landmark, and which keypoints they are.
+// The keypoints of a keyframe that observe a landmark: their pixels, and their indices in the keyframe.
 struct Observed {
   std::vector<Eigen::Vector2f> pixels;
   std::vector<int> keypoints;
@@ -31,7 +31,7 @@ struct Observed {
     }
   }
 
-  // Index of the nearest pixel within the distance, kNone if there is none.
+  // Returns the index of the nearest pixel within the distance, or kNone if there is no such pixel.
   int nearest(const KeypointGrid& grid, const Eigen::Vector2f& pixel, float max_distance_px) const {
     int best = kNone;
     float best_distance = max_distance_px;
@@ -46,7 +46,8 @@ struct Observed {
   }
 };
 
-// Keypoints that are the same, or each other's nearest.
+// Appends the matches between two keyframes of one image: keypoints with the same index if both have the same corners,
+// otherwise keypoints that are each other's nearest.
 void match_keyframes(const Keyframe& a, const Keyframe& b, const Camera& camera, float max_distance_px, int shared,
                      std::vector<LandmarkMatch>* matches) {
   if (same_corners(*a.features, *b.features)) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What two submaps have in common because they were made of the same images: frames of the same time, and landmarks
-// that the same keypoint observes (the paper's M_com, section IV.C: by the distance in the image, not by descriptor,
-// and without a check of the geometry, which on challenging frames is what is wrong).
+// Correspondences of two submaps that were made of some of the same images: frames of the same time, and landmarks that
+// the same keypoint observes (the paper's M_com, section IV.C). Keypoints are matched by their distance in the image,
+// not by descriptor, and the geometry is not checked: on challenging frames it is the geometry that is wrong.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@
 
 namespace rumi::map_server {
 
-// Keyframes of the same image, one of each submap.
+// Two keyframes of the same image, one of each submap.
 struct SharedKeyframe {
   int64_t utime_us = 0;
-  int a = kNone, b = kNone;  // ids
+  int a = kNone, b = kNone;  // keyframe ids in the two submaps
 };
 
-// One observation each of the same pixel in a shared keyframe.
+// Two landmarks that are observed at the same pixel of a shared keyframe.
 struct LandmarkMatch {
   int a = kNone, b = kNone;  // landmark ids
   int shared = 0;            // index into Correspondences::keyframes
@@ -26,24 +26,24 @@ struct LandmarkMatch {
 
 struct Correspondences {
   std::vector<int64_t> frames;            // utime_us, with a pose in both submaps; ascending
-  std::vector<SharedKeyframe> keyframes;  // ascending utime
-  std::vector<LandmarkMatch> landmarks;   // by shared keyframe; each keypoint at most once in each
+  std::vector<SharedKeyframe> keyframes;  // in ascending order of utime
+  std::vector<LandmarkMatch> landmarks;   // ordered by shared keyframe; each keypoint at most once per keyframe
 };
 
-// Keypoint by keypoint the same corners of the same image: front_tracker may have moved some of them since, to where
-// they are more exactly.
+// True if the two hold the same corners of the same image, with the same indices. The positions may differ slightly,
+// because front_tracker may have refined some of them since.
 bool same_corners(const Features& a, const Features& b);
 
-// Where keyframes of one image do not have the same corners: `max_distance_px` between keypoints (undistorted) that are
-// taken for one.
+// Undistorted keypoints within `max_distance_px` count as the same keypoint if the two keyframes of an image do not
+// have the same corners.
 constexpr double kSameKeypointPx = 1.0;
 Correspondences find_correspondences(const Submap& a, const Submap& b, double max_distance_px = kSameKeypointPx);
 
-// Logarithm of the depth of the common landmarks of a shared keyframe in b over that in a: the median, and its standard
-// error from the spread. Infinite error where there are fewer than `min_landmarks`.
+// The median logarithm of (depth in b / depth in a) over the common landmarks of one shared keyframe, and its standard
+// error, estimated from the spread. The error is infinite if there are fewer than `min_landmarks` common landmarks.
 struct ScaleRatio {
   double log_b_over_a = 0, sigma = 0;
-  double depth_b = 0;  // median
+  double depth_b = 0;  // median depth in b, in b's unit
 };
 ScaleRatio scale_ratio(const Submap& a, const Submap& b, const Correspondences& common, int shared, int min_landmarks);
 

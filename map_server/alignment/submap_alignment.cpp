@@ -16,16 +16,17 @@
 namespace rumi::map_server {
 namespace {
 
-// Of a shared keyframe that agrees: rotation, and distance of its two places over the median depth.
+// The two poses of a shared keyframe agree if their rotations differ by at most kMaxRotationDeg, and their camera
+// centres by at most kMaxCenterDepthRatio of the median depth.
 constexpr double kMaxRotationDeg = 3.0;
 constexpr double kMaxCenterDepthRatio = 0.1;
-constexpr double kMinKeyframeRatio = 0.7;  // of the shared keyframes, that agree
-// What the depths of common landmarks tell of the scale: they err together, so no more of them than this count, and
-// never is it known better than that.
+constexpr double kMinKeyframeRatio = 0.7;  // share of the shared keyframes that must agree
+// The scale is measured by the depths of common landmarks. Their errors are correlated, so they count as at most
+// kIndependentDepths independent ones, and the standard deviation of the log scale is at least kMinSigmaDepthScale.
 constexpr int kIndependentDepths = 10;
 constexpr double kMinSigmaDepthScale = 0.005;
 
-// A match with all that scoring it needs.
+// A landmark match, with the values that scoring needs.
 struct Pair {
   Eigen::Vector3d point_a, point_b;
   Eigen::Vector2d pixel;
@@ -59,7 +60,7 @@ class Aligner {
  private:
   using Chosen = std::function<bool(size_t shared)>;
 
-  // From the chosen shared keyframes, scored on all.
+  // Lets each of the chosen shared keyframes propose a similarity, and scores the proposals on all shared keyframes.
   Alignment estimate(const Chosen& chosen) const {
     Alignment best;
     best.landmarks = static_cast<int>(pairs_.size());
@@ -128,8 +129,8 @@ class Aligner {
     }
   }
 
-  // Of the inliers. Where the camera hardly moves in the shared keyframes it is all there is to tell the scale; their
-  // scatter says how much it is worth.
+  // Returns the scale from the depths of the inliers, and its standard deviation from their scatter. If the camera
+  // hardly moves in the shared keyframes, nothing else determines the scale.
   Sim3RefinementProblem::ScaleMeasurement scale_from_depths(const std::vector<size_t>& inliers) const {
     std::vector<double> logs;
     logs.reserve(inliers.size());
@@ -138,7 +139,7 @@ class Aligner {
     return {scale.value, std::max(scale.sigma, kMinSigmaDepthScale)};
   }
 
-  // Equation 8 of the paper, in both directions, with the landmarks that agree with the best proposal.
+  // Solves equation 8 of the paper, in both directions, with the inliers of the best proposal in the chosen keyframes.
   void refine(const Chosen& chosen, Alignment* best) const {
     Sim3RefinementProblem problem;
     std::vector<size_t> with_depths;
@@ -162,7 +163,7 @@ class Aligner {
     *best = std::move(refined);
   }
 
-  // What the even keyframes tell must hold in the odd ones.
+  // Returns true if a similarity estimated from the even keyframes also holds in the odd ones.
   bool holds_where_not_used() const {
     const Alignment even = estimate([](size_t k) { return k % 2 == 0; });
     int landmarks = 0, inliers = 0;
@@ -198,7 +199,7 @@ class Aligner {
   std::vector<Pair> pairs_;
 };
 
-// Told of all that is common: outside the run nothing agrees.
+// Extends the result for a run to all correspondences: those outside the run count as not agreeing.
 Alignment spread(Alignment part, const SharedRun& run, const Correspondences& common) {
   const auto in_run = [&](size_t shared) { return shared >= run.first && shared < run.first + run.count; };
   std::vector<char> keyframe_inlier, inlier;
@@ -225,7 +226,8 @@ Alignment align_submaps(const Submap& a, const Submap& b, const Correspondences&
     return whole;
   for (const SharedRun& run : runs) {
     Alignment part = Aligner(a, b, part_of(common, run), options).run();
-    // A back submap may also be wrong as a whole, and agree here and there: nothing in the run may disagree.
+    // A back submap that is wrong as a whole may agree with the front submap in a few places, so no keyframe of the run
+    // may disagree.
     if (!part.doubt.empty() || (run.is_back_bent && part.keyframe_inliers < part.keyframes)) continue;
     return spread(std::move(part), run, common);
   }

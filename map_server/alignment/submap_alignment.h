@@ -17,10 +17,10 @@ namespace rumi::map_server {
 constexpr int kMinSharedKeyframes = 3;
 
 struct AlignmentOptions {
-  int min_landmarks = 40;               // M_com, of one keyframe for a proposal: a quarter of it
-  double max_reprojection_px = 4.0;     // of an inlier, in each direction, at octave 0
-  double min_inlier_ratio = 0.5;        // of M_com
-  double max_sigma_rotation_deg = 0.5;  // of the result
+  int min_landmarks = 40;  // least number of inliers among the common landmarks; a keyframe needs a quarter to propose
+  double max_reprojection_px = 4.0;     // largest error of an inlier, in each direction, at octave 0
+  double min_inlier_ratio = 0.5;        // least share of inliers among the common landmarks
+  double max_sigma_rotation_deg = 0.5;  // largest standard deviations of the result
   double max_sigma_log_scale = 0.03;
 };
 
@@ -28,16 +28,16 @@ struct Alignment {
   Sim3 b_from_a;
   int landmarks = 0, landmark_inliers = 0;
   int keyframes = 0, keyframe_inliers = 0;
-  double rmse_px = 0;                                  // of the inliers
-  double sigma_rotation_deg = 0, sigma_log_scale = 0;  // standard deviations, of the worst direction
-  std::vector<char> inlier;                            // per Correspondences::landmarks
-  std::vector<char> keyframe_inlier;                   // per Correspondences::keyframes
-  std::string doubt;                                   // empty, or why it is not to be believed
+  double rmse_px = 0;                                  // root mean square error of the inliers, px at octave 0
+  double sigma_rotation_deg = 0, sigma_log_scale = 0;  // standard deviations in the direction that is determined worst
+  std::vector<char> inlier;                            // for each of Correspondences::landmarks: whether it agrees
+  std::vector<char> keyframe_inlier;                   // for each of Correspondences::keyframes: whether it agrees
+  std::string doubt;                                   // why the alignment is refused; empty if it is accepted
 };
 
-// Where that is in doubt, the part beside a bent end of a front submap is tried (bent_end.h), under the same
-// conditions; then the keyframes and landmarks of the end count as such that do not agree. Nothing but a doubt where
-// there is too little in common to propose anything.
+// If the alignment of all is in doubt, tries the part beside a bent end of a front submap (bent_end.h) under the same
+// conditions; the keyframes and landmarks of that end then count as not agreeing. If the submaps have too little in
+// common for any proposal, only `doubt` and the counts of the result are set.
 Alignment align_submaps(const Submap& a, const Submap& b, const Correspondences& common,
                         const AlignmentOptions& options);
 

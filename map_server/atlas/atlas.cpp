@@ -22,8 +22,8 @@ int64_t first_utime_us(const Submap& submap) {
   return submap.frames.empty() ? std::numeric_limits<int64_t>::max() : submap.frames.begin()->first;
 }
 
-// The pose does not merely follow a neighbour of its keyframe that was placed. Always so where the submap lies in the
-// map as it is.
+// True if the pose's own keyframe has a placement, or if the placement is empty (then the submap lies in the map
+// unchanged). False if the pose has to follow the nearest keyframe that is placed.
 bool hangs_on_placed_keyframe(const AtlasSubmap& owner, const FramePose& frame) {
   const Keyframe* keyframe = owner.submap.keyframe(frame.reference_keyframe);
   const auto& places = owner.placement.map_from_submap;
@@ -35,18 +35,6 @@ bool is_between_its_frames(ImageId image, const Submap& submap) {
          image.utime_us <= submap.frames.rbegin()->first;
 }
 
-bool is_similarity(const Sim3& s) { return s.is_finite() && s.scale > 0; }
-
-void check_placement(SubmapKey key, const Placement& placement, const std::function<bool(SubmapKey)>& is_in_map) {
-  bool ok = true;
-  for (const auto& [utime_us, similarity] : placement.map_from_submap) ok = ok && is_similarity(similarity);
-  for (const auto& [id, position] : placement.landmarks) ok = ok && position.allFinite();
-  for (const auto& [id, into] : placement.fused) ok = ok && is_in_map(into.submap);
-  if (!ok)
-    throw std::invalid_argument(
-        fmt::format("the placement of submap {} of session {} is not valid", key.id, key.session));
-}
-
 }  // namespace
 
 std::string describe(const std::set<SubmapKey>& submaps) {
@@ -56,7 +44,7 @@ std::string describe(const std::set<SubmapKey>& submaps) {
   std::vector<int> ids;
   ids.reserve(submaps.size());
   for (const SubmapKey& key : submaps) ids.push_back(key.id);
-  // A back submap comes after the front submap of its number, which it begins in.
+  // Back submap -n begins in front submap n, so it is listed after it.
   std::sort(ids.begin(), ids.end(),
             [](int a, int b) { return std::pair(std::abs(a), -a) < std::pair(std::abs(b), -b); });
   if (ids.size() == 1) return fmt::format("submap {}", ids[0]);
@@ -68,13 +56,13 @@ PoseSigmas LocatedFrame::sigmas() const {
   return scaled(frame->sigmas, owner->placement.at(owner->submap, *frame).scale);
 }
 
-std::string Atlas::change_submap(SubmapKey key, const std::function<std::string(Submap*)>& change) {
+Result<> Atlas::change_submap(SubmapKey key, const std::function<Result<>(Submap*)>& change) {
   const auto known = submaps_.find(key);
   AtlasSubmap fresh;
   fresh.submap.key = key;
   Submap* submap = known == submaps_.end() ? &fresh.submap : &known->second.submap;
   const int64_t before = submap->revision;
-  if (std::string problem = change(submap); !problem.empty()) return problem;
+  if (const Result<> changed = change(submap); !changed) return changed;
   if (submap->revision == before) return {};
   if (known == submaps_.end()) submap = &submaps_.emplace(key, std::move(fresh)).first->second.submap;
   note_frames(*submap, before);
@@ -113,58 +101,54 @@ void Atlas::note_frames(const Submap& submap, int64_t after_revision) {
       ++frames_of_[submap.key.session];
 }
 
-void Atlas::check_here(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved) const {
-  const auto check = [this](SubmapKey key) {
+Result<> Atlas::check_here(const PlacedMap& map) const {
+  for (const SubmapKey& key : map.submaps())
     if (!submaps_.contains(key))
-      throw std::invalid_argument(fmt::format("submap {} of session {} is not here to be placed", key.id, key.session));
-  };
-  for (const SubmapKey& key : unmoved) check(key);
-  for (const auto& [key, placement] : placements) check(key);
+      return Error{fmt::format("submap {} of session {} is not here to be placed", key.id, key.session)};
+  return {};
 }
 
-void Atlas::check_numbers(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved) {
-  const auto is_in_map = [&](SubmapKey key) { return placements.contains(key) || unmoved.contains(key); };
-  for (const auto& [key, placement] : placements) check_placement(key, placement, is_in_map);
+Result<> Atlas::check_links(const std::vector<Link>& links) const {
+  for (const Link& link : links)
+    if (!submaps_.contains(link.a) || !submaps_.contains(link.b) || !is_similarity(link.b_from_a) ||
+        !std::isfinite(link.rmse_px))
+      return Error{fmt::format("the link of submaps {} and {} is none", link.a.id, link.b.id)};
+  return {};
 }
 
-void Atlas::place_map(std::map<SubmapKey, Placement> placements, const std::set<SubmapKey>& unmoved) {
-  check_numbers(placements, unmoved);
+Result<> Atlas::check(const PlacedMap& map, const std::vector<Link>& links) const {
+  const Result<> valid = check_links(links);
+  return valid ? check_here(map) : valid;
+}
+
+Result<> Atlas::set_links(std::vector<Link> links) {
+  if (const Result<> valid = check_links(links); !valid) return valid;
+  links_ = std::move(links);
+  return {};
+}
+
+std::set<SubmapKey> Atlas::find_same(const PlacedMap& map) const {
   std::set<SubmapKey> same;
-  for (const auto& [key, placement] : placements)
-    if (const AtlasSubmap* owner = find(key); owner && same_place(owner->placement, placement)) same.insert(key);
-  swap_map(std::move(placements), unmoved, same);
+  for (const auto& [key, placement] : map.placements())
+    if (same_place(submaps_.at(key).placement, placement)) same.insert(key);
+  return same;
 }
 
-std::vector<Placement> Atlas::swap_map(std::map<SubmapKey, Placement> placements, const std::set<SubmapKey>& unmoved,
-                                       const std::set<SubmapKey>& same) {
-  check_here(placements, unmoved);
+Result<std::vector<Placement>> Atlas::place_map(PlacedMap map) {
+  if (const Result<> here = check_here(map); !here) return here.error();
+  const std::set<SubmapKey> same = map.same() ? *map.same() : find_same(map);
+  const std::set<SubmapKey> beside = map_beside(map.submaps());
   ++revision_;
-  std::set<SubmapKey> map = unmoved;
-  for (const auto& [key, placement] : placements) map.insert(key);
-  const std::set<SubmapKey> kept = to_be_kept(map);
   std::vector<Placement> before;
   for (auto& [key, owner] : submaps_) {
-    const auto placed = placements.find(key);
-    owner.in_map = unmoved.contains(key) || placed != placements.end();
-    if (unmoved.contains(key) || kept.contains(key)) continue;
+    owner.in_map = map.contains(key);
+    if (map.unmoved().contains(key) || beside.contains(key)) continue;
     const int64_t revision = owner.placement.revision;
-    before.push_back(std::exchange(owner.placement, owner.in_map ? std::move(placed->second) : Placement()));
+    before.push_back(std::exchange(owner.placement, owner.in_map ? map.take_placement(key) : Placement()));
     if (owner.in_map) owner.placement.revision = revision > 0 && same.contains(key) ? revision : revision_;
   }
   choose_map();
   return before;
-}
-
-void Atlas::check_links(const std::vector<Link>& links) const {
-  for (const Link& link : links)
-    if (!submaps_.contains(link.a) || !submaps_.contains(link.b) || !is_similarity(link.b_from_a) ||
-        !std::isfinite(link.rmse_px))
-      throw std::invalid_argument(fmt::format("the link of submaps {} and {} is none", link.a.id, link.b.id));
-}
-
-void Atlas::set_links(std::vector<Link> links) {
-  check_links(links);
-  links_ = std::move(links);
 }
 
 bool Atlas::is_placed() const {
@@ -178,19 +162,21 @@ bool Atlas::has_present_in_map() const {
   });
 }
 
-// With a map of present sessions only: that of earlier ones, the larger one if there are two.
-std::set<SubmapKey> Atlas::to_be_kept(const std::set<SubmapKey>& map) const {
+// Returns the submaps that stay beside the served map if `map` becomes the served one. There are any only if all
+// submaps of `map` are of present sessions. They are then the submaps of earlier sessions in the served map, or those
+// beside it now, whichever have more frames.
+std::set<SubmapKey> Atlas::map_beside(const std::set<SubmapKey>& map) const {
   const bool has_earlier = map.empty() || std::any_of(map.begin(), map.end(), [this](const SubmapKey& key) {
                              return !present_.contains(key.session);
                            });
-  std::set<SubmapKey> served, kept;
-  size_t served_frames = 0, kept_frames = 0;
+  std::set<SubmapKey> served, beside;
+  size_t served_frames = 0, beside_frames = 0;
   for (const auto& [key, owner] : submaps_) {
     if (has_earlier || owner.placement.revision == 0 || present_.contains(key.session)) continue;
-    (owner.in_map ? served : kept).insert(key);
-    (owner.in_map ? served_frames : kept_frames) += owner.submap.frames.size();
+    (owner.in_map ? served : beside).insert(key);
+    (owner.in_map ? served_frames : beside_frames) += owner.submap.frames.size();
   }
-  return served_frames >= kept_frames ? served : kept;
+  return served_frames >= beside_frames ? served : beside;
 }
 
 bool Atlas::serve_present() {
@@ -198,21 +184,21 @@ bool Atlas::serve_present() {
   for (const auto& [key, owner] : submaps_)
     if (present_.contains(key.session) && !owner.submap.frames.empty()) present.insert(key);
   if (present.empty() || has_present_in_map()) return false;
-  const std::set<SubmapKey> kept = to_be_kept(present);
+  const std::set<SubmapKey> beside = map_beside(present);
   for (auto& [key, owner] : submaps_) {
     owner.in_map = false;
-    if (!kept.contains(key)) owner.placement = {};
+    if (!beside.contains(key)) owner.placement = {};
   }
   ++revision_;
   return choose_map();
 }
 
 void Atlas::serve_larger() {
-  size_t served = 0, kept = 0;
+  size_t served = 0, beside = 0;
   for (const auto& [key, owner] : submaps_)
-    if (owner.in_map || owner.is_kept()) (owner.in_map ? served : kept) += owner.submap.frames.size();
-  if (kept <= served) return;
-  for (auto& [key, owner] : submaps_) owner.in_map = owner.is_kept();
+    if (owner.in_map || owner.is_beside()) (owner.in_map ? served : beside) += owner.submap.frames.size();
+  if (beside <= served) return;
+  for (auto& [key, owner] : submaps_) owner.in_map = owner.is_beside();
   ++revision_;
 }
 
@@ -220,7 +206,7 @@ bool Atlas::choose_map() {
   if (is_placed()) return false;
   const AtlasSubmap* best = nullptr;
   for (const auto& [key, candidate] : submaps_) {
-    // A back submap serves to join front submaps, and stands for itself where there is none.
+    // A back submap only connects front submaps, so it is chosen only if there is no front submap.
     const auto rank = [this](const Submap& s) {
       return std::make_tuple(!present_.contains(s.key.session), s.kind != SubmapKind::kFront || s.frames.empty(),
                              -static_cast<int64_t>(s.frames.size()), first_utime_us(s));
@@ -276,7 +262,8 @@ Atlas::FrameCounts Atlas::count_frames() const {
   FrameCounts counts;
   for (const auto& [session, frames] : frames_of_)
     (present_.contains(session) ? counts.present : counts.earlier) += frames;
-  // A recording that is played again has the same images: they are of the session that goes on, as frames_of_ has it.
+  // A recording that is played again brings the same images again. Each counts once, for the present session first, as
+  // in frames_of_.
   std::vector<const Submap*> counted;
   for (const bool present : {true, false})
     for (const auto& [key, owner] : submaps_) {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All submaps, what became of every frame, and which submaps form the map that is served. Knows no LCM and no files.
+// The atlas holds all submaps, the tracking result of every frame, and which submaps form the served map. It knows
+// nothing of LCM or files.
 //
-// The served map is made of the submaps that place_map() named last. As long as nobody has placed any, the front submap
-// with most frames stands for it, or the back submap where there is no front one, in its own unit and frame of
-// reference. What is told of present sessions (note_present()) comes before what earlier ones have left: as long as
-// nothing joins the two, the present ones are the map, and that of before keeps its places beside it.
+// The served map consists of the submaps in the last place_map(). Before the first place_map(), it is the front submap
+// with most frames (or the back submap with most frames, if there is no front submap), in its own unit and frame of
+// reference. Present sessions (note_present()) come before earlier ones: as long as nothing joins the two, the map
+// consists of submaps of the present sessions, and the map of earlier sessions stays beside it, with its placements.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +17,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/result.h"
+#include "map_server/atlas/placed_map.h"
 #include "map_server/atlas/placement.h"
 #include "map_server/atlas/still_mask.h"
 #include "map_server/links/link.h"
@@ -25,71 +28,65 @@
 
 namespace rumi::map_server {
 
-// What front_tracker said of a frame when it saw it. Whether the frame has a pose now is the submaps' to say: poses are
-// added to earlier frames, and corrected, after the fact.
+// Records what front_tracker said about a frame when it tracked it. Whether the frame has a pose now is known by the
+// submaps only, because poses are added and corrected later.
 struct FrameRecord {
   int64_t session = 0;
   TrackingState state = TrackingState::kUnknown;
-  int32_t submap_id = kNoSubmap;  // that it was tracked in
+  int32_t submap_id = kNoSubmap;  // the submap in which it was tracked
   bool operator==(const FrameRecord&) const = default;
 };
 
 struct AtlasSubmap {
   Submap submap;
   bool in_map = false;  // part of the served map
-  Placement placement;  // in the served map, or in the one of earlier sessions that is kept beside it
-  bool is_kept() const { return !in_map && placement.revision > 0; }
+  Placement placement;  // in the served map, or in the map beside it
+  // True if the submap belongs to the map of earlier sessions that is not served now.
+  bool is_beside() const { return !in_map && placement.revision > 0; }
 };
 
-// Where a frame is: the pose that counts, if several submaps have one.
+// The pose that counts for a frame, if several submaps have one.
 struct LocatedFrame {
   const AtlasSubmap* owner = nullptr;
   const FramePose* frame = nullptr;
   SE3 cam_from_submap() const { return owner->submap.cam_from_submap(*frame); }
-  // Meaningful where the owner is in the map.
+  // The owner must be in the map.
   SE3 cam_from_map() const { return owner->placement.cam_from_map(owner->submap, *frame); }
-  // In the map's unit where the owner is in the map, else in the submap's.
+  // Returns the deviations of the pose, in the map's unit if the owner is in the map, otherwise in the submap's.
   PoseSigmas sigmas() const;
 };
 
-// "submap 3", "submaps 1, -1 and 2"; of many, or of several sessions, how many: "12 submaps". Not of none.
+// Returns "submap 3", "submaps 1, -1 and 2", or "12 submaps" if there are many or they are of several sessions. The set
+// must not be empty.
 std::string describe(const std::set<SubmapKey>& submaps);
 
 class Atlas {
  public:
-  // Runs `change` on a submap (a new one if the key is new). It returns what is wrong, or an empty string; if something
-  // is wrong it must have left the submap as it was. An unknown submap is kept only if the change raised its revision.
-  std::string change_submap(SubmapKey key, const std::function<std::string(Submap*)>& change);
-  // From now on exactly these submaps form the served map, and lie in it like this, until the next call: however large
-  // another one grows, it does not take the map's place. None: back to the largest submap. The revisions of the
-  // placements are set here. Throws std::invalid_argument, and changes nothing, for a submap that is not here, a
-  // landmark fused into one of a submap that is not among these, or a number that is not finite.
-  // `unmoved`: submaps that form it too and stay where they are in it.
-  void place_map(std::map<SubmapKey, Placement> placements, const std::set<SubmapKey>& unmoved = {});
-  // The same at a price that does not grow with the submaps, of placements that hold: check_numbers() was content, and
-  // `same` are those that lie where they lay, to the bit. Returns the placements before, to be freed elsewhere.
-  std::vector<Placement> swap_map(std::map<SubmapKey, Placement> placements, const std::set<SubmapKey>& unmoved,
-                                  const std::set<SubmapKey>& same);
-  // All there are, instead of those before. Throws std::invalid_argument, and changes nothing, for a submap that is not
-  // here or a number that is not finite.
-  void set_links(std::vector<Link> links);
-  // Throw what these would throw: of what is not here, and of numbers, which can be asked without an atlas.
-  void check_here(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved) const;
-  static void check_numbers(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved);
-  void check_links(const std::vector<Link>& links) const;
-  // Takes what a RUMI_TRACK message says. True if that is news.
+  // Runs `change` on a submap (a new one if the key is new) and returns its Error. If it returns an Error, `change`
+  // must leave the submap unchanged. A new submap is kept only if the change raised its revision.
+  Result<> change_submap(SubmapKey key, const std::function<Result<>(Submap*)>& change);
+  // Makes exactly these submaps the served map until the next call, even if another submap grows larger than the map.
+  // An empty map restores the default, the largest submap. Sets the revisions of the placements. Returns the previous
+  // placements, which the caller may free in another thread. An Error, and no change, if a submap is not in the atlas.
+  Result<std::vector<Placement>> place_map(PlacedMap map);
+  // Replaces all links. An Error, and no change, if a submap is not in the atlas or a number is invalid.
+  Result<> set_links(std::vector<Link> links);
+  // Returns the Error that place_map() or set_links() would return.
+  Result<> check(const PlacedMap& map, const std::vector<Link>& links) const;
+  // Records what a RUMI_TRACK message says about a frame. Returns true if that is new.
   bool record_frame(ImageId image, const FrameRecord& record);
-  // Takes what never moves in the images of a stream, which check() was content with; of too many streams the oldest
-  // is forgotten. True if that is news: not if a newer one is known.
+  // Records the mask of a stream, which the caller has checked with check(). If there are too many streams, drops the
+  // oldest mask. Returns false if the atlas has the same mask, or a newer one, already.
   bool record_mask(int64_t stream, StillMask mask);
-  // A session that goes on now, not one of an earlier run.
+  // Notes that the session goes on now, in contrast to sessions of earlier runs.
   void note_present(int64_t session) { present_.insert(session); }
   const std::set<int64_t>& present() const { return present_; }
-  // Serves the largest submap of the present sessions if there is one, and none of them is in the map. True if it did.
+  // If no submap of the present sessions is in the map and there is one, serves the largest one. Returns true if the
+  // served map has changed.
   bool serve_present();
-  // Before any session is present: of the map and the one that is kept beside it, the larger one is served.
+  // Serves the larger one of the map and the map beside it. Call it before any session is present.
   void serve_larger();
-  // For loading: puts a submap as it was, with its place in the map.
+  // These restore what was saved, unchanged, for MapStore::load().
   void restore_submap(AtlasSubmap submap);
   void restore_placement(SubmapKey key, Placement placement) { submaps_.at(key).placement = std::move(placement); }
   void restore_revision(int64_t revision) { revision_ = revision; }
@@ -98,12 +95,12 @@ class Atlas {
   std::set<SubmapKey> in_map() const;
   const std::vector<Link>& links() const { return links_; }
   const AtlasSubmap* find(SubmapKey key) const;
-  const std::map<ImageId, FrameRecord>& frames() const { return frames_; }  // all ever heard of
-  const std::map<int64_t, StillMask>& masks() const { return masks_; }      // the newest of each stream
+  const std::map<ImageId, FrameRecord>& frames() const { return frames_; }  // all frames of which anything was received
+  const std::map<int64_t, StillMask>& masks() const { return masks_; }      // the newest mask of each stream
   int64_t revision() const { return revision_; }  // rises whenever anything of the served map changed
   int64_t frames_in_map() const;
 
-  // Of the present sessions and of the earlier ones.
+  // Frames of the present sessions and of the earlier ones.
   struct FrameCounts {
     int64_t present = 0, earlier = 0;
     int64_t present_in_map = 0, earlier_in_map = 0;
@@ -111,32 +108,37 @@ class Atlas {
   };
   FrameCounts count_frames() const;
 
-  // Whether the map has the landmark as a point of its own: it is fused into no other that is still there.
+  // True if the landmark is a point of the map itself: it is not fused into another landmark that the map still has.
   bool stands_for_itself(const AtlasSubmap& owner, int landmark_id) const;
 
-  // A pose in the served map comes first; in the map, one that hangs on a keyframe which was placed itself, not by its
-  // neighbours; then one in the submap that the frame was tracked in, then front before back.
+  // Chooses the pose that counts for an image. Poses in the served map come first, and among them those whose own
+  // keyframe is placed; then the pose in the submap in which the frame was tracked; then poses in front submaps before
+  // those in back submaps.
   std::optional<LocatedFrame> locate(ImageId image) const;
-  // map_from_cam of every frame with a pose in the served map. Lengths are the map's.
+  // map_from_cam of every frame with a pose in the served map, in the map's unit.
   std::map<ImageId, SE3> map_trajectory() const;
 
  private:
-  // Frames of a submap of the map that no earlier one has, as it was counted last, and of what.
+  // The number of a submap's frames that no submap counted before it has. It is valid for these revisions of the
+  // submaps.
   struct Counted {
-    std::vector<std::pair<SubmapKey, int64_t>> of;  // the submap and those beside it, with their revisions
+    std::vector<std::pair<SubmapKey, int64_t>> of;  // the submap itself, and earlier ones that may share images with it
     int64_t frames = 0;
   };
 
   void note_frames(const Submap& submap, int64_t after_revision);
-  bool is_placed() const;  // somebody has said what the map is made of
-  bool choose_map();       // true if the served map is now made of other submaps than before
+  Result<> check_here(const PlacedMap& map) const;
+  Result<> check_links(const std::vector<Link>& links) const;
+  std::set<SubmapKey> find_same(const PlacedMap& map) const;
+  bool is_placed() const;  // whether place_map() has set the map
+  bool choose_map();       // returns true if the served map has changed
   bool has_present_in_map() const;
-  std::set<SubmapKey> to_be_kept(const std::set<SubmapKey>& map) const;
+  std::set<SubmapKey> map_beside(const std::set<SubmapKey>& map) const;
   const Counted& count(const AtlasSubmap& owner, const std::vector<const Submap*>& before) const;
 
   std::map<SubmapKey, AtlasSubmap> submaps_;
   std::map<ImageId, FrameRecord> frames_;
-  std::map<int64_t, int64_t> frames_of_;  // by session, how many
+  std::map<int64_t, int64_t> frames_of_;  // number of frames by session
   std::map<int64_t, StillMask> masks_;
   std::vector<Link> links_;
   std::set<int64_t> present_;

@@ -9,15 +9,16 @@
 namespace rumi::map_server {
 namespace {
 
-constexpr double kMuch = 0.02;  // of a focal length; of the image's width
+constexpr double kMuch = 0.02;  // larger differences are reported; a share of the focal length or image width
 
 struct Quantity {
   const char* name;
   double there, here;
-  double unit;  // in which a difference is measured, px
+  double unit;  // what a difference is divided by, px
 };
 
-// Where the lens takes the middle of the image's left edge from, px: in its corners a distortion may fold.
+// Returns the undistorted position, in pixels, of the middle of the image's left edge. The corners are not used,
+// because there a distortion model may fold.
 Eigen::Vector2d edge(const Camera& camera) {
   const Eigen::Vector3d ray = camera.unproject({0, camera.cy});
   return {camera.fx * ray.x(), camera.fy * ray.y()};
@@ -27,7 +28,7 @@ Eigen::Vector2d edge(const Camera& camera) {
 
 std::string difference(const Camera& there, const Camera& here) {
   if (there.model != here.model) return "another model of the lens";
-  // One of them may be of images that were made smaller.
+  // The two calibrations may be for different image sizes, because images may have been shrunk.
   const Camera same = there.resized(here.width, here.height);
   if (std::abs(same.width * there.height - same.height * there.width) > there.width + there.height)
     return fmt::format("{} x {} pixels there, {} x {} here", there.width, there.height, here.width, here.height);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A stream that goes on with another calibration than before: a map that is made with both is bent.
+// Finds out whether a stream's calibration has changed since earlier sessions: a map made with two calibrations is
+// bent.
 #pragma once
 
 #include <string>
@@ -8,11 +9,12 @@
 
 namespace rumi::map_server {
 
-// "fx 525 there, 350 here", by the first quantity of which two calibrations differ by more than calibrating once more
-// explains; empty if there is none.
+// Describes the first quantity in which two calibrations differ too much to be of the same camera, as in "fx 525 there,
+// 350 here". Returns an empty string if there is none.
 std::string difference(const Camera& there, const Camera& here);
 
-// The same of the submap and what earlier sessions have of its stream; empty if they have nothing of it.
+// Compares the submap's calibration with that of the first submap that its stream has from an earlier session. Returns
+// an empty string if they agree, or if there is no such submap.
 std::string other_calibration(const Atlas& atlas, const Submap& submap);
 
 }  // namespace rumi::map_server

@@ -50,7 +50,7 @@ bool same_place(const Placement& a, const Placement& b) {
 
 Submap place(const Submap& submap, const Placement& placement) {
   Submap placed = submap;
-  if (placement.map_from_submap.empty() && placement.landmarks.empty()) return placed;  // to the last bit
+  if (placement.map_from_submap.empty() && placement.landmarks.empty()) return placed;  // unchanged to the last bit
   for (auto& [id, keyframe] : placed.keyframes)
     keyframe.cam_from_submap = placement.cam_from_map(submap.keyframes.at(id));
   for (auto& [id, landmark] : placed.landmarks)

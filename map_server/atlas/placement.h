@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a submap lies in the served map. Not in one piece: a submap bends when it is joined to others, so every
-// keyframe has a similarity of its own, and what hangs on the keyframe (frames, landmarks) follows it. The submap
-// itself stays as its maker sent it; what the maker changes or adds later follows the keyframe nearest in time.
+// A placement says where a submap lies in the served map. A submap bends when it is joined to others, so every keyframe
+// has a similarity of its own, and frames and landmarks follow their keyframe. The submap itself stays as its maker
+// sent it; elements that the maker changes or adds later follow the keyframe nearest in time.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,8 @@
 
 namespace rumi::map_server {
 
-// The host of a landmark, which it follows: the first keyframe that observes it. Nothing if nobody observes it.
+// Returns the host of a landmark, the first keyframe that observes it: the landmark follows it. Null if no keyframe
+// does.
 const Keyframe* host_of(const Submap& submap, const Landmark& landmark);
 
 struct LandmarkRef {
@@ -22,32 +23,36 @@ struct LandmarkRef {
 };
 
 struct Placement {
-  std::map<int64_t, Sim3> map_from_submap;   // at the keyframe of that utime_us; empty: identity everywhere
-  std::map<int, Eigen::Vector3d> landmarks;  // position in the map of those that a bundle adjustment of the map moved
-  // These landmarks are the same point as another submap's, or another one of this submap, which itself is fused into
-  // none. Where the other one has been removed since, they stand for themselves again.
+  std::map<int64_t, Sim3> map_from_submap;   // by the utime_us of keyframes; empty: identity everywhere
+  std::map<int, Eigen::Vector3d> landmarks;  // positions in the map of the landmarks that bundle adjustment moved
+  // Landmarks that are the same point as another landmark, of another submap or of this one; that other landmark is not
+  // fused into any. If it is removed later, the landmarks are points of their own again.
   std::map<int, LandmarkRef> fused;
-  int64_t revision = 0;  // of the served map when this last changed; 0: nobody has placed the submap
+  int64_t revision = 0;  // the served map's revision when this placement last changed; 0: never placed
 
-  // At the keyframe nearest in time.
+  // Returns the similarity at the keyframe nearest in time.
   Sim3 at(int64_t utime_us) const;
-  // At the latest keyframe: what a camera that goes on in the submap is placed with.
+  // Returns the similarity at the latest keyframe, by which a camera that goes on in the submap is placed.
   Sim3 latest() const { return map_from_submap.empty() ? Sim3() : map_from_submap.rbegin()->second; }
 
-  // At the frame's keyframe.
+  // Returns the similarity at the frame's keyframe.
   Sim3 at(const Submap& submap, const FramePose& frame) const;
 
   SE3 cam_from_map(const Keyframe& keyframe) const;
-  // The frame keeps its place relative to its keyframe.
+  // Returns the frame's pose in the map; the frame keeps its pose relative to its keyframe.
   SE3 cam_from_map(const Submap& submap, const FramePose& frame) const;
   Eigen::Vector3d position_in_map(const Submap& submap, const Landmark& landmark) const;
 };
 
-// The same place to the last bit, whatever the revisions say.
+using Placements = std::map<SubmapKey, Placement>;
+
+inline bool is_similarity(const Sim3& s) { return s.is_finite() && s.scale > 0; }
+
+// True if the two are equal to the last bit, apart from their revisions.
 bool same_place(const Placement& a, const Placement& b);
 
-// The submap as it is in the map: same ids and observations, poses and positions in the map's unit and frame of
-// reference.
+// Returns the submap as it lies in the map: with the same ids and observations, and with poses and positions in the
+// map's unit and frame of reference.
 Submap place(const Submap& submap, const Placement& placement);
 
 }  // namespace rumi::map_server

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Groups of submaps that hang together.
+// Groups of submaps: unite() joins the groups of two submaps.
 #pragma once
 
 #include <cstddef>

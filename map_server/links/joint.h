@@ -13,14 +13,14 @@ struct KeyframeRef {
   int id = kNone;
 };
 
-// Two keyframes whose relation is known from elsewhere than their own submap.
+// A joint: the relation between two keyframes, known from another source than their own submaps.
 struct KeyframeJoint {
   KeyframeRef a, b;
-  Sim3 b_from_a;  // between the two cameras, each in the unit of its submap
-  double sigma_rotation_rad = 0, sigma_translation = 0, sigma_log_scale = 0;  // translation: in the unit of b
+  Sim3 b_from_a;  // from camera a (in the unit of a's submap) to camera b (in the unit of b's submap)
+  double sigma_rotation_rad = 0, sigma_translation = 0, sigma_log_scale = 0;  // sigma_translation: in b's unit
 };
 
-// Of which two keyframes it is.
+// Identifies a joint by its two keyframes: submap and id of a, submap and id of b.
 using JointName = std::tuple<SubmapKey, int, SubmapKey, int>;
 inline JointName name_of(const KeyframeJoint& joint) {
   return {joint.a.submap, joint.a.id, joint.b.submap, joint.b.id};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is known of how two submaps lie to each other; an accepted one holds the served map together.
+// A link says how two submaps lie relative to each other. Accepted links hold the served map together.
 #pragma once
 
 #include <array>
@@ -13,20 +13,20 @@ namespace rumi::map_server {
 
 struct Link {
   enum class Kind : int8_t {
-    kSameImages = 0,  // made of some of the same images
-    kAppearance = 1,  // saw the same place; a == b: a loop
+    kSameImages = 0,  // the two submaps are made of some of the same images
+    kAppearance = 1,  // the two submaps see the same place; a loop if a == b
   };
   SubmapKey a, b;
   Kind kind = Kind::kSameImages;
   Sim3 b_from_a = {};
-  int keyframes = 0, keyframe_inliers = 0;  // compared, and that agree
-  int landmarks = 0, landmark_inliers = 0;  // M_com, and those that agree
-  double rmse_px = 0;                       // of the latter
-  std::string doubt = {};                   // empty: accepted; else why not
+  int keyframes = 0, keyframe_inliers = 0;  // keyframes that were compared, and those that agree
+  int landmarks = 0, landmark_inliers = 0;  // landmarks in common (the paper's M_com), and those that agree
+  double rmse_px = 0;                       // root mean square error of the landmarks that agree
+  std::string doubt = {};                   // why the link is not accepted; empty if it is
   bool accepted() const { return doubt.empty(); }
 };
 
-// To the last bit.
+// Compares bit by bit.
 inline bool operator==(const Link& x, const Link& y) {
   const auto counts = [](const Link& l) {
     return std::array{l.keyframes, l.keyframe_inliers, l.landmarks, l.landmark_inliers};

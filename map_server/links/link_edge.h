@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A link, and what a map can be built with of it.
+// A link between two submaps, with the joints and matched landmarks that MapBuilder uses.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ struct LandmarkPair {
 
 struct LinkEdge {
   Link link;
-  int64_t utime_a_us = 0, utime_b_us = 0;  // of the images at which the submaps are placed by it
-  std::vector<KeyframeJoint> joints = {};  // none where it is refused
+  int64_t utime_a_us = 0, utime_b_us = 0;  // the images at which the link places the submaps
+  std::vector<KeyframeJoint> joints = {};  // empty if the link is refused
   std::vector<LandmarkPair> landmarks = {};
 };
 

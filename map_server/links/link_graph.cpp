@@ -34,7 +34,7 @@ Groups LinkGraph::tied() const {
 
 Groups LinkGraph::groups() const {
   Groups groups = tied();
-  for (const auto& [a, b] : inherited) groups.unite(a, b);
+  for (const auto& [a, b] : tied_before) groups.unite(a, b);
   return groups;
 }
 
@@ -86,7 +86,7 @@ void LinkGraph::refuse(const std::map<const LinkEdge*, std::string>& doubts) {
     pair.edge->joints.clear();
   }
   for (auto edge = places.found.end();
-       edge != places.found.begin();) {  // backwards: those before it stay where they are
+       edge != places.found.begin();) {  // backwards, so that pointers to earlier edges stay valid
     const auto doubt = doubts.find(&*--edge);
     if (doubt == doubts.end()) continue;
     Link link = edge->link;

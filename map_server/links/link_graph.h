@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All that is known of how submaps lie to each other: a value. LinkFinder adds what it finds and makes the next one.
-// MapBuilder makes the one after that, with the edges that it refused and what touches what in the map that it built.
+// LinkGraph is a value that holds all that is known about how submaps lie relative to each other. LinkFinder returns a
+// new graph with the links that it finds. MapBuilder then refuses edges in its copy, and notes the contacts in the map
+// that it built.
 #pragma once
 
 #include <cstdint>
@@ -18,55 +19,56 @@
 
 namespace rumi::map_server {
 
-// Two submaps, as they were when their common images were compared.
+// The result of comparing the common images of two submaps, at these revisions.
 struct ComparedPair {
   int64_t revision_a = 0, revision_b = 0;
-  std::optional<LinkEdge> edge;  // accepted or refused; nothing: they have no image in common
+  std::optional<LinkEdge> edge;  // accepted or refused; empty if they have no image in common
 };
 
-// What touches what in the map that was built last.
+// Which submaps, and which images, have points in common in the map that was built last.
 struct BuiltContacts {
-  std::set<SubmapKey> submaps;                       // that it is made of
+  std::set<SubmapKey> submaps;                       // the members of that map
   SubmapPairs touching;                              // submaps that have points in common
-  std::vector<std::pair<ImageId, ImageId>> similar;  // images that have many points in common, lower first; ascending
+  std::vector<std::pair<ImageId, ImageId>> similar;  // images with many points in common, lower first; ascending
 };
 
 struct LinkGraph {
   std::map<SubmapPair, ComparedPair> compared;
   PlaceLinks places;
   BuiltContacts built;
-  // Of a map that another graph held together this one may have fewer edges: without a reason it does not come apart.
-  // What an edge holds together since is the edge's.
-  std::vector<SubmapPair> inherited;
-  bool has_inherited = false;  // false: nobody has looked yet for such a map
+  // Pairs of submaps that were placed in one map before this graph began (in map.db), and that no edge joins yet. They
+  // count as joined, so that the map does not fall apart before its submaps have been compared again.
+  std::vector<SubmapPair> tied_before;
+  bool knows_tied_before = false;  // whether tied_before has been filled
 
-  // All that are accepted. Pointers hold until the graph changes.
+  // Returns all accepted edges. The pointers are valid until the graph changes.
   std::vector<const LinkEdge*> edges() const;
-  // One for every two submaps that have something in common, of each kind: accepted and refused ones.
+  // Returns all links, accepted and refused: at most one of each kind between two submaps.
   std::vector<Link> links() const;
 
-  // Which submaps hang together by edges. Also by submaps that are not here now: that one is left out for a while says
-  // nothing against what hangs on it.
+  // Returns the groups of submaps that edges join. Edges of a submap that is left out of the build count too, because
+  // its absence says nothing against the submaps joined to it.
   Groups tied() const;
-  // By edges, or as they were inherited.
+  // Returns the groups of submaps that edges or tied_before join.
   Groups groups() const;
-  // The two sides of the edge hang together by nothing else, of these submaps.
+  // True if without this edge nothing joins its two submaps, directly or by way of other `submaps`.
   bool is_only(const LinkEdge& edge, const Submaps& submaps) const;
-  // The edges over which `members` can be placed one after another, beginning with those that are placed: each time
-  // that with most inliers.
+  // Returns the edges over which `members` can be placed one after another, beginning at those already `placed`. The
+  // next edge is always the one with most inliers.
   std::vector<const LinkEdge*> placing_order(std::set<SubmapKey> placed, const std::set<SubmapKey>& members) const;
-  // Edges, and what has points in common in the built map.
+  // Returns the pairs of submaps that an edge joins, or that have points in common in the built map.
   SubmapPairs contacts() const;
-  // The built map knows how they lie to each other.
+  // True if the two images have many points in common in the built map.
   bool are_joined(const ImageId& a, const ImageId& b) const;
-  // By the same images. Nothing: they were not compared, or have none.
+  // Returns the edge from images in common, accepted or refused; null if the two were not compared or share no image.
   const LinkEdge* edge_between(SubmapKey a, SubmapKey b) const;
 
-  // Edges that turned out to be wrong, and why.
+  // Refuses these edges, each with its reason.
   void refuse(const std::map<const LinkEdge*, std::string>& doubts);
-  // Of an edge by the same images.
+  // Removes these joints from an edge between submaps that share images.
   void forget_joints(const LinkEdge& edge, const std::set<JointName>& joints);
-  // Nothing that was compared has changed in this revision of it.
+  // Notes that this revision of the submap differs from the previous one in nothing that is compared, so that it need
+  // not be compared again.
   void take_as_compared(SubmapKey submap, int64_t revision);
 };
 

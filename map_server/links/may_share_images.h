@@ -5,7 +5,7 @@
 
 namespace rumi::map_server {
 
-// By the times of their frames, which is quick: where it is false, two submaps have no image in common.
+// Compares streams and times only, which is quick. If it returns false, the two submaps have no image in common.
 inline bool may_share_images(const Submap& a, const Submap& b) {
   return a.stream == b.stream && !a.frames.empty() && !b.frames.empty() &&
          a.frames.begin()->first <= b.frames.rbegin()->first && b.frames.begin()->first <= a.frames.rbegin()->first;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Places seen twice: what was searched for, and what was found.
+// The results of place search: the links that were found, and which keyframes have been searched for.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,15 @@
 namespace rumi::map_server {
 
 struct PlaceLinks {
-  std::vector<LinkEdge> found;         // accepted. a: the submap of the keyframe searched for, b: of the one found
-  std::vector<LinkEdge> unconfirmed;   // no other one agrees yet
-  std::map<SubmapPair, Link> refused;  // the last one of each two, for whoever wonders
+  // Accepted links, from the submap of the keyframe that was searched for (a) to that of the keyframe found (b).
+  std::vector<LinkEdge> found;
+  std::vector<LinkEdge> unconfirmed;   // links that no other link agrees with yet
+  std::map<SubmapPair, Link> refused;  // the last refused link between two submaps, for the status and map.db
 
-  std::set<std::pair<SubmapKey, int>> known;                 // keyframes that may be found
-  std::map<ImageId, std::vector<KeyframeRef>> searched_for;  // the keyframes of each image that were
-  std::map<SubmapKey, int64_t> searched_again;               // at this revision
+  std::set<std::pair<SubmapKey, int>> known;                 // keyframes that a search may find
+  std::map<ImageId, std::vector<KeyframeRef>> searched_for;  // the keyframes that were searched for, by image
+  // The revision of each submap when all its keyframes were searched for again.
+  std::map<SubmapKey, int64_t> searched_again;
 };
 
 }  // namespace rumi::map_server

@@ -10,7 +10,7 @@
 namespace rumi::map_server {
 
 using Submaps = std::map<SubmapKey, const Submap*>;
-using SubmapPair = std::pair<SubmapKey, SubmapKey>;  // lower first
+using SubmapPair = std::pair<SubmapKey, SubmapKey>;  // the lower key first
 using SubmapPairs = std::set<SubmapPair>;
 
 }  // namespace rumi::map_server

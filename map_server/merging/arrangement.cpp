@@ -15,7 +15,7 @@
 namespace rumi::map_server {
 namespace {
 
-// Chooses the members that are arranged: all, or those around the new ones.
+// Chooses the members that are arranged: for a weld those around the new ones, otherwise all.
 MapPart choose_part(const BuildInput& input, const LinkGraph& graph, const std::set<SubmapKey>& members,
                     const Placements& placed, int weld_keyframes) {
   std::set<SubmapKey> fresh;
@@ -25,10 +25,10 @@ MapPart choose_part(const BuildInput& input, const LinkGraph& graph, const std::
   return part_around(fresh, members, graph.contacts(), input.submaps, weld_keyframes);
 }
 
-// Chooses among the submaps that have a place in the map, if there are any. A front submap comes first, because nothing
-// removes its beginning.
+// Chooses the anchor among the submaps that are placed in the map, if there are any, and prefers front submaps, because
+// a front submap is never shortened at its beginning.
 SubmapKey choose_anchor(const BuildInput& input, const MapPart& part, const Placements& placed) {
-  if (!part.held.empty()) return *part.held.begin();
+  if (!part.fixed.empty()) return *part.fixed.begin();
   const auto is_placed = [&](SubmapKey key) {
     return input.fixed.empty() ? placed.contains(key) : input.fixed.contains(key);
   };
@@ -46,7 +46,7 @@ SubmapKey choose_anchor(const BuildInput& input, const MapPart& part, const Plac
   return anchor;
 }
 
-// Puts every keyframe at the same similarity.
+// Returns the placement with the same similarity at every keyframe.
 Placement rigid(const Submap& submap, const Sim3& map_from_submap) {
   Placement placement;
   for (const auto& [id, keyframe] : submap.keyframes) placement.map_from_submap[keyframe.utime_us] = map_from_submap;
@@ -59,7 +59,7 @@ PlacedSubmaps place_part(const BuildInput& input, const LinkGraph& graph, const 
   std::set<SubmapKey> first{anchor};
   for (const SubmapKey& key : part.submaps)
     if (const auto where = placed.find(key); where != placed.end()) {
-      const bool stays = input.fixed.contains(key) || part.held.contains(key);
+      const bool stays = input.fixed.contains(key) || part.fixed.contains(key);
       result[key] = {input.submaps.at(key), where->second, stays};
       first.insert(key);
     }
@@ -112,7 +112,7 @@ MapGraphReport bend_part(const BuildInput& input, const LinkGraph& graph, const 
   return bend(joints, may_be_wrong, arranged->anchor, options, &arranged->submaps);
 }
 
-// Refuses the links that the others contradict. Returns whether there were any.
+// Refuses the links that the other links contradict. Returns true if there were any.
 bool refuse_contradicted(const std::vector<BentEdge>& edges, const MapGraphReport& report, LinkGraph* graph) {
   std::map<const LinkEdge*, std::string> doubts;
   for (size_t i = 0; i < edges.size() && report.bent; ++i) {
@@ -124,16 +124,17 @@ bool refuse_contradicted(const std::vector<BentEdge>& edges, const MapGraphRepor
   return !doubts.empty();
 }
 
-// Drops the joints of accepted edges whose chi2 is too large. If that is most of an edge's joints, only its worst joint
-// goes, because nothing else connects the two sides. Returns whether any joint was dropped.
+// Drops those joints of edges between submaps with common images whose chi2 is larger than `most`. If that is most of
+// an edge's joints, only the worst joint is dropped, because nothing else connects the two sides. Returns true if any
+// joint was dropped.
 bool drop_worst_joints(const std::vector<BentEdge>& edges, const MapGraphReport& report, double most,
                        LinkGraph* graph) {
   bool dropped = false;
   for (size_t i = 0; i < edges.size() && report.bent; ++i) {
     if (!is_of_same_images(edges[i])) continue;
     std::vector<double> all = report.joint_chi2[i];
-    // No other edge contradicts these joints: one of the two submaps is bent between them. The joints that agree best
-    // are kept.
+    // One of the two submaps is bent between these joints, since no other edge contradicts them. The worst joint goes
+    // first, so that those that agree best remain.
     const bool one_by_one = median(&all) > most;
     const double worst = *std::max_element(report.joint_chi2[i].begin(), report.joint_chi2[i].end());
     std::set<JointName> gone;
@@ -151,16 +152,16 @@ bool drop_worst_joints(const std::vector<BentEdge>& edges, const MapGraphReport&
 std::optional<Arrangement> arrange(std::set<SubmapKey> members, const BuildInput& input,
                                    const ArrangementOptions& options, LinkGraph* graph) {
   for (;; members = choose_members(*graph, input)) {
-    const bool joins_kept =
-        std::any_of(members.begin(), members.end(), [&](const SubmapKey& key) { return input.kept.contains(key); });
-    const Placements& placed = joins_kept ? input.kept : input.placed;
+    const bool joins_beside =
+        std::any_of(members.begin(), members.end(), [&](const SubmapKey& key) { return input.beside.contains(key); });
+    const Placements& placed = joins_beside ? input.beside : input.placed;
     Arrangement arranged{.members = members};
     arranged.part = choose_part(input, *graph, members, placed, options.weld_keyframes);
     arranged.anchor = choose_anchor(input, arranged.part, placed);
     if (!arranged.part.submaps.contains(arranged.anchor) || input.is_cancelled()) return std::nullopt;
     arranged.submaps = place_part(input, *graph, arranged.part, arranged.anchor, placed);
     const std::vector<BentEdge> edges = edges_between(arranged.submaps, *graph);
-    if (edges.empty() && input.scope != BuildScope::kWeld && members.size() == 1) return arranged;  // the whole map
+    if (edges.empty() && input.scope != BuildScope::kWeld && members.size() == 1) return arranged;  // one submap
     if (edges.empty()) return std::nullopt;
     const MapGraphReport report = bend_part(input, *graph, edges, options.graph, &arranged);
     if (!refuse_contradicted(edges, report, graph) &&

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Arranges the submaps of a map before they are adjusted: places one after another along the links between them, bends
-// them at their joints, and refuses links that the others contradict.
+// Arranges the submaps of a map before bundle adjustment: places them one after another along the links between them,
+// bends them at their joints, and refuses links that other links contradict.
 #pragma once
 
 #include <map>
@@ -19,18 +19,18 @@ using PlacedSubmaps = std::map<SubmapKey, PlacedSubmap>;
 
 struct ArrangementOptions {
   MapGraphOptions graph;
-  int weld_keyframes = 500;  // about so many keyframes of submaps around the new ones are bent with them
+  int weld_keyframes = 500;  // about how many keyframes a weld bends, those of new submaps included
 };
 
 struct Arrangement {
   std::set<SubmapKey> members;  // all submaps of the map
-  MapPart part = {};            // those that are arranged
-  SubmapKey anchor = {};        // the submap of the part whose beginning stays where it is
-  PlacedSubmaps submaps = {};   // of the part
+  MapPart part = {};            // members that are arranged
+  SubmapKey anchor = {};        // submap of the part whose beginning does not move
+  PlacedSubmaps submaps = {};   // submaps of the part
 };
 
-// Arranges these members. Refuses in the graph the links that the others contradict, chooses the members again, and
-// begins anew until no link is contradicted. Returns nothing if no member has a frame, or nothing joins them.
+// Arranges these members. If links contradict others, refuses them in the graph, chooses the members again, and starts
+// over until none does. Returns nullopt if no member has a frame, nothing joins the members, or the build is cancelled.
 std::optional<Arrangement> arrange(std::set<SubmapKey> members, const BuildInput& input,
                                    const ArrangementOptions& options, LinkGraph* graph);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a map is built of, besides what is known of the links.
+// The input of a build, apart from the link graph.
 #pragma once
 
 #include <atomic>
@@ -13,27 +13,25 @@
 namespace rumi::map_server {
 
 enum class BuildScope {
-  kWeld,      // submaps that have been joined since the last build, and what is around them; else nothing
-  kOnTheWay,  // the whole map, by what its submaps have in common: one that still grows
-  kAll,       // the whole map, and every image in which its points are found
+  kWeld,      // only submaps joined since the last build, and the submaps around them
+  kOnTheWay,  // the whole map, without searching for more common points: for a map that still grows
+  kAll,       // the whole map, and its points are searched for in all its images
 };
-
-using Placements = std::map<SubmapKey, Placement>;
 
 struct BuildInput {
   Submaps submaps;
   BuildScope scope = BuildScope::kAll;
-  // Where submaps are in the map as it is; they stay there until the adjustment.
+  // Placements of the submaps in the served map, which the build starts from.
   Placements placed = {};
-  // Where others are in a map of earlier sessions, which counts instead of it as soon as one of them hangs together
-  // with the rest.
-  Placements kept = {};
-  // A map of an earlier session, that stays as it is to the bit: what comes is placed in it. Among the placed ones.
-  // Nothing is culled then.
+  // Placements of the submaps in the map beside the served one (of earlier sessions). They replace `placed` as soon as
+  // one of these submaps is joined to the members of the map.
+  Placements beside = {};
+  // The submaps of the stored map if localize_only, also contained in `placed`. No build moves or culls them; others
+  // are placed relative to them.
   std::set<SubmapKey> fixed = {};
-  // What these sessions have comes before what earlier ones have left: it is the map, with what hangs together with it.
-  std::set<int64_t> preferred = {};
-  // If given and true, every call returns soon; what it returns is to be thrown away.
+  // Sessions that go on now. The group of submaps with most frames of these sessions becomes the map.
+  std::set<int64_t> present = {};
+  // Null, or a flag that cancels the build: once it is true, every call returns soon, and its result must be discarded.
   const std::atomic<bool>* cancel = nullptr;
 
   bool is_cancelled() const { return cancel && *cancel; }

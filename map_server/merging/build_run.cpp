@@ -2,8 +2,10 @@
 #include "map_server/merging/build_run.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
+#include "base/or_throw.h"
 #include "base/running/failures.h"
 #include "base/this_process/cpu_clock.h"
 
@@ -28,25 +30,26 @@ void BuildRun::set_submaps(SubmapCopies submaps, BuildScope scope, std::set<Subm
 }
 
 Placements BuildRun::set_places(const Atlas& atlas) {
-  input_.preferred = atlas.present();
+  input_.present = atlas.present();
   take_over_places(atlas);
-  left_in_map_.clear();
+  left_out_in_map_.clear();
   for (const auto& [key, owner] : atlas.submaps()) {
     const bool is_placed = owner.in_map && owner.placement.revision > 0;
-    if (is_placed && !submaps_.contains(key)) left_in_map_.insert(key);
+    if (is_placed && !submaps_.contains(key)) left_out_in_map_.insert(key);
     if (!is_placed || !submaps_.contains(key))
       input_.placed.erase(key);
     else if (Placement& place = input_.placed[key]; place.revision != owner.placement.revision)
       place = owner.placement;
-    if (!owner.is_kept() || !submaps_.contains(key))
-      input_.kept.erase(key);
-    else if (Placement& place = input_.kept[key]; place.revision != owner.placement.revision)
+    if (!owner.is_beside() || !submaps_.contains(key))
+      input_.beside.erase(key);
+    else if (Placement& place = input_.beside[key]; place.revision != owner.placement.revision)
       place = owner.placement;
   }
   return std::exchange(to_be_placed_, {});
 }
 
-// The atlas has the last result by now, under a revision of its own. Nobody else places.
+// Adopts the placements of the last result, with the revisions that the atlas has given them. Nobody else places these
+// submaps until the next build is accepted.
 void BuildRun::take_over_places(const Atlas& atlas) {
   for (auto& [key, placement] : to_be_placed_) {
     const AtlasSubmap* owner = atlas.find(key);
@@ -61,33 +64,32 @@ void BuildRun::run() {
   BuiltMap built;
   try {
     built = builder_.build(finder_.find(graph_, input_), input_);
-    Atlas::check_numbers(built.placements, built.unmoved);
+    result_.map = or_throw(PlacedMap::make(std::move(built.placements), std::move(built.unmoved)));
   } catch (...) {
-    blamed_ = find_those_to_blame();
+    failing_ = find_failing();
     throw;
   }
-  result_ = {.placements = std::move(built.placements),
-             .unmoved = std::move(built.unmoved),
-             .culled = std::move(built.culled),
-             .same = {},
-             .links = built.graph.links(),
-             .report = built.report,
-             .scope = input_.scope,
-             .cpu_s = thread_cpu_s() - start_s};
+  result_.map.note_same(find_same(result_.map.placements()));
+  result_.culled = std::move(built.culled);
+  result_.links = built.graph.links();
+  result_.report = built.report;
+  result_.scope = input_.scope;
+  result_.cpu_s = thread_cpu_s() - start_s;
   next_graph_ = std::move(built.graph);
-  note_what_is_the_same();
-  to_be_placed_ = result_.placements;
+  to_be_placed_ = result_.map.placements();
 }
 
-void BuildRun::note_what_is_the_same() {
-  for (const auto& [key, placement] : result_.placements)
-    for (const auto* where : {&input_.placed, &input_.kept})
+std::set<SubmapKey> BuildRun::find_same(const Placements& placements) const {
+  std::set<SubmapKey> same;
+  for (const auto& [key, placement] : placements)
+    for (const auto* where : {&input_.placed, &input_.beside})
       if (const auto before = where->find(key); before != where->end() && same_place(before->second, placement))
-        result_.same.insert(key);
+        same.insert(key);
+  return same;
 }
 
-// Most likely something is wrong with one submap: then it is not to be built with by itself either.
-std::set<SubmapKey> BuildRun::find_those_to_blame() const {
+// Returns the new submaps with which a build fails even if it has no other submap: most likely one of them is broken.
+std::set<SubmapKey> BuildRun::find_failing() const {
   std::set<SubmapKey> found;
   for (const SubmapKey& key : fresh_) {
     const BuildInput alone{
@@ -98,27 +100,24 @@ std::set<SubmapKey> BuildRun::find_those_to_blame() const {
   return found;
 }
 
-std::string BuildRun::take_over(const Atlas& atlas) {
-  keep_what_was_left_out();
-  std::string reason = thrown_by([&] {
-    atlas.check_links(result_.links);
-    atlas.check_here(result_.placements, result_.unmoved);
-  });
-  if (!reason.empty()) return reason;
-  std::swap(graph_, next_graph_);  // the one before is freed in the building thread
+Result<> BuildRun::take_over(const Atlas& atlas) {
+  keep_left_out();
+  if (const Result<> fits = atlas.check(result_.map, result_.links); !fits) return fits;
+  std::swap(graph_, next_graph_);  // the next run() frees the old graph
   for (const auto& [key, submap] : result_.culled) submaps_[key] = submap;
   return {};
 }
 
-// In the map as it is. What was built elsewhere does not take its place: nobody knows how large it would be with all of
-// its submaps.
-void BuildRun::keep_what_was_left_out() {
-  if (left_in_map_.empty() || result_.placements.empty()) return;
+// Submaps left out of the build keep their place in the map. If no submap of the served map is in the built one, the
+// built map is discarded: with the left-out submaps the served map might have been the larger one.
+void BuildRun::keep_left_out() {
+  const Placements& placements = result_.map.placements();
+  if (left_out_in_map_.empty() || placements.empty()) return;
   const auto is_placed = [this](const auto& item) { return input_.placed.contains(item.first); };
-  if (std::any_of(result_.placements.begin(), result_.placements.end(), is_placed)) {
-    result_.unmoved.insert(left_in_map_.begin(), left_in_map_.end());
+  if (std::any_of(placements.begin(), placements.end(), is_placed)) {
+    result_.map.add_unmoved(left_out_in_map_);
   } else {
-    result_.placements.clear();
+    result_.map = {};
     result_.culled.clear();
     to_be_placed_.clear();
   }

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One build of the map after another, and all that it touches. run() belongs to the building thread; while it is under
-// way nobody calls anything else.
+// Builds one map after another, and owns all data of a build. The building thread calls only run(); until run()
+// returns, no other thread may call anything here. A build passes these states, in this order:
+//
+//   state      call                          who calls it
+//   chosen     set_submaps(), set_places()   the node's thread
+//   built      run()                         the building thread; or it throws, and the build ends with end(true)
+//   accepted   take_over(), result()         the node's thread; or there is an Error, and it ends with end(true)
+//   ended      end(false)                    the node's thread
 #pragma once
 
 #include <atomic>
@@ -18,10 +24,8 @@
 namespace rumi::map_server {
 
 struct MergeResult {
-  Placements placements;        // empty: the map stays as it is
-  std::set<SubmapKey> unmoved;  // these form it too, among them what is in doubt and was in it
-  CulledSubmaps culled;         // these take the place of the submaps of the same keys, and are placed like them
-  std::set<SubmapKey> same;     // those of the placements that are as they were
+  PlacedMap map;         // without placements if the map stays unchanged
+  CulledSubmaps culled;  // submaps after culling, which replace those of the same keys and keep their placement
   std::vector<Link> links;
   MapBuildReport report;
   BuildScope scope = BuildScope::kWeld;
@@ -32,46 +36,49 @@ using SubmapCopies = std::map<SubmapKey, std::shared_ptr<const Submap>>;
 
 class BuildRun {
  public:
-  // `cancel` becomes true when a build that is under way shall return soon.
+  // `cancel`: becomes true when a running build shall return soon.
   BuildRun(const MapBuilderOptions& options, const std::atomic<bool>* cancel);
 
-  // See BuildInput::fixed; `in_map`: those of them that the map has. Before the first build.
+  // `all`: see BuildInput::fixed; `in_map`: those that are in the map. Call it before the first build.
   void fix(std::set<SubmapKey> all, const std::set<SubmapKey>& in_map);
   const std::set<SubmapKey>& fixed() const { return fixed_; }
 
-  // 1. What the next build is made of; `fresh`: what of it was never built with.
+  // 1. Sets the input of the next build. `fresh`: submaps that no accepted build has had in this revision.
   void set_submaps(SubmapCopies submaps, BuildScope scope, std::set<SubmapKey> fresh);
-  // 2. Where that lies in the atlas. Returns placements that nobody needs any more: freeing them takes long.
+  // 2. Sets where these submaps lie in the atlas. Returns placements that are no longer needed, which the caller may
+  // free in another thread because that takes long.
   Placements set_places(const Atlas& atlas);
-  // 3. Builds. Throws what a step throws; then blamed() are those that break off by themselves.
+  // 3. Builds, in the building thread. Throws any exception of a step; then take_failing() returns the submaps that
+  // fail alone.
   void run();
-  // 4. Takes the built map over, or, with the reason, gives it up because it does not fit what is in the atlas now.
-  std::string take_over(const Atlas& atlas);
-  // Then the result may be moved away.
+  // 4. Takes the built map over. An Error if it does not fit what is in the atlas now.
+  Result<> take_over(const Atlas& atlas);
+  // Returns the result, which may be moved away after take_over().
   MergeResult& result() { return result_; }
-  BuildSize size() const;  // of what the map was built of, as it was culled
-  // 5. Lets go of what the build was made of; `gives_up`: of the result, too.
+  BuildSize size() const;  // submaps and keyframes of the build, after culling, fixed ones apart
+  // 5. Releases the input of the build and, if `gives_up`, its result.
   void end(bool gives_up);
-  std::set<SubmapKey> take_blamed() { return std::exchange(blamed_, {}); }
+  // Returns the submaps that were new in the last build and with which a build throws even alone.
+  std::set<SubmapKey> take_failing() { return std::exchange(failing_, {}); }
 
  private:
   void take_over_places(const Atlas& atlas);
-  void note_what_is_the_same();
-  std::set<SubmapKey> find_those_to_blame() const;
-  void keep_what_was_left_out();
+  std::set<SubmapKey> find_same(const Placements& placements) const;
+  std::set<SubmapKey> find_failing() const;
+  void keep_left_out();
 
   MapBuilderOptions options_;
   LinkFinder finder_;
   const MapBuilder builder_;
   std::set<SubmapKey> fixed_;
-  LinkGraph graph_;       // that of the last build that was taken over
-  LinkGraph next_graph_;  // what the build made of graph_; later the one before graph_
+  LinkGraph graph_;       // graph of the last build that was taken over
+  LinkGraph next_graph_;  // graph of the running build; after take_over() the previous one, until run() frees it
   SubmapCopies submaps_;
   std::set<SubmapKey> fresh_;
   BuildInput input_;
-  std::set<SubmapKey> left_in_map_;  // the build goes without them
-  Placements to_be_placed_;          // copies of the result's placements, made in the building thread
-  std::set<SubmapKey> blamed_;
+  std::set<SubmapKey> left_out_in_map_;  // submaps of the map that this build leaves out
+  Placements to_be_placed_;              // copy of the result's placements, made by run() because copying takes long
+  std::set<SubmapKey> failing_;
   MergeResult result_;
 };
 

@@ -9,13 +9,14 @@
 namespace rumi::map_server {
 namespace {
 
-constexpr double kAdjustmentSPerView = 0.25;  // the adjustment period for each image of the map, at least
-constexpr double kSettledPeriods = 4;         // the adjustment of a map that hardly grows waits so many periods
-constexpr double kSettledShare = 0.05;        // of the keyframes, more or fewer than at the last adjustment
+constexpr double kAdjustmentSPerView = 0.25;  // least adjustment period for each image of the map, s
+constexpr double kSettledPeriods = 4;         // if the map hardly grows, the adjustment waits this many periods
+constexpr double kSettledShare = 0.05;        // largest change of the number of keyframes of a map that hardly grows
 
 }  // namespace
 
-// In a place that is known, keyframes are corrected and replaced all the time, and the map stays what it was.
+// Looks only at the numbers of submaps and keyframes: in a known place keyframes are corrected and replaced all the
+// time, but the map stays the same.
 bool BuildSchedule::is_settled(const BuildSize& size) const {
   const double before = static_cast<double>(adjusted_.keyframes);
   return size.submaps == adjusted_.submaps &&
@@ -30,7 +31,7 @@ std::optional<BuildScope> BuildSchedule::due(const BuildNeeds& needs, int64_t no
     const bool settled = is_settled(needs.size);
     const double period_s =
         std::max(adjustment_interval_s_, kAdjustmentSPerView * views_) * (settled ? kSettledPeriods : 1);
-    // Association is worth its price only if its points stay: each adjustment on the way throws them away.
+    // Searching for common points pays only if they are kept, but each adjustment of a growing map discards them.
     if (is_due(now_us, last_adjustment_us_, to_us(period_s))) return settled ? BuildScope::kAll : BuildScope::kOnTheWay;
   }
   return needs.has_news && interval_is_over ? std::optional(BuildScope::kWeld) : std::nullopt;
@@ -39,8 +40,8 @@ std::optional<BuildScope> BuildSchedule::due(const BuildNeeds& needs, int64_t no
 void BuildSchedule::begun(BuildScope scope, int64_t now_us) {
   last_begin_us_ = now_us;
   began_in_a_hurry_ = hurry_;
-  if (scope == BuildScope::kAll) hurry_ = false;  // who hurries from now on means what is not in this build
-  // The first adjustment waits its turn from the first look on.
+  if (scope == BuildScope::kAll) hurry_ = false;  // a later hurry() is about submaps that this build does not have
+  // The first adjustment is due one period after the first build.
   if (scope != BuildScope::kWeld || last_adjustment_us_ == kNever_us) last_adjustment_us_ = now_us;
 }
 
@@ -51,7 +52,7 @@ void BuildSchedule::built(BuildScope scope, int members, int views, const BuildS
 }
 
 void BuildSchedule::broke_off(bool something_was_new) {
-  changed_ = changed_ && something_was_new;  // else the same build would break off for ever
+  changed_ = changed_ && something_was_new;  // otherwise the same build would throw for ever
   hurry_ = hurry_ || began_in_a_hurry_;
 }
 

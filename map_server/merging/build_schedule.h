@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Says when which build of the map is due. Pure logic: it is told what there is to do and what became of each build.
-// The first line of this table that holds counts:
+// Decides which build of the map is due, and when. It does no work itself: the caller reports what there is to do and
+// how each build ended. In this table the first line that applies counts; T is the adjustment period.
 //
-//   what there is                                          what is due                      when
-//   a part of what is in doubt was not tried yet           a build of the scope it asks for  each interval_s; in a
-//   hurry: now in a hurry: news, or a change since the last kAll      kAll                              now a change
-//   since the last kAll, and little grows         kAll                              after four adjustment periods a
-//   change since the last kAll                           kOnTheWay                         after an adjustment period
-//   news                                                   kWeld                             each interval_s
+//   there is                                            due is                  when
+//   an untried half of the submaps in doubt             its scope               each interval_s; in a hurry: now
+//   a hurry, and news or a change since the last kAll   kAll                    now
+//   a change since the last kAll; the map hardly grows  kAll                    after 4 T
+//   a change since the last kAll                        kOnTheWay               after T
+//   news                                                kWeld                   each interval_s
 //
-// The adjustment period is adjustment_interval_s, or a quarter of a second for each image of the map if that is longer.
+// T is adjustment_interval_s, or a quarter of a second for each image of the map if that is longer.
 #pragma once
 
 #include <cstddef>
@@ -21,14 +21,14 @@
 
 namespace rumi::map_server {
 
-// Of the submaps that may be built with.
+// The size of a set of submaps.
 struct BuildSize {
   size_t submaps = 0, keyframes = 0;
 };
 
 struct BuildNeeds {
-  std::optional<BuildScope> untried;  // a build of this scope tries a part of what is in doubt
-  bool has_news = false;              // a submap changed since it was built with
+  std::optional<BuildScope> untried;  // scope of the build that must try half of the submaps in doubt
+  bool has_news = false;              // whether a submap has changed since the last build that had it
   BuildSize size = {};
 };
 
@@ -38,18 +38,19 @@ class BuildSchedule {
       : interval_s_(interval_s), adjustment_interval_s_(adjustment_interval_s) {}
 
   std::optional<BuildScope> due(const BuildNeeds& needs, int64_t now_us) const;
-  // Everything that is known now and left to do is due at once, until a build of scope kAll has begun with it.
+  // Makes builds due at once, until a build of scope kAll has begun with everything known now.
   void hurry() { hurry_ = true; }
   bool is_in_a_hurry() const { return hurry_; }
-  // Nothing is left to do.
+  // True if there is nothing left to build.
   bool is_at_rest(const BuildNeeds& needs) const { return !needs.untried && !needs.has_news && !changed_; }
 
-  // Tell it of every build: that it began, and then one of the two that follow.
+  // The caller reports every build: begun(), and then built() or broke_off().
   void begun(BuildScope scope, int64_t now_us);
-  // `members`, `views`: those of the map that was built; `size`: that of what it was built of.
+  // `members`, `views`: how many submaps and images the built map has; `size`: that of all submaps that went into the
+  // build.
   void built(BuildScope scope, int members, int views, const BuildSize& size);
   void broke_off(bool something_was_new);
-  // Nothing is due, and nothing is under way.
+  // To be called when nothing is due and no build is running.
   void rest(const BuildNeeds& needs) { hurry_ = hurry_ && !is_at_rest(needs); }
 
  private:
@@ -57,11 +58,11 @@ class BuildSchedule {
 
   double interval_s_, adjustment_interval_s_;
   bool hurry_ = false;
-  bool began_in_a_hurry_ = false;  // the last build
-  bool changed_ = false;           // the map, since the last build of scope kAll
+  bool began_in_a_hurry_ = false;  // whether the last build began in a hurry
+  bool changed_ = false;           // whether builds of other scopes made a map since the last kAll
   int64_t last_begin_us_ = kNever_us, last_adjustment_us_ = kNever_us;
-  BuildSize adjusted_;  // that of the last adjustment
-  int views_ = 0;       // the most that a built map had
+  BuildSize adjusted_;  // the size at the last adjustment
+  int views_ = 0;       // images of the largest map built so far
 };
 
 }  // namespace rumi::map_server

@@ -13,7 +13,7 @@ namespace rumi::map_server {
 
 namespace {
 
-// One camera, in the units of two submaps. Nothing: how large they are beside each other cannot be told there.
+// Returns the joint at one common image. Returns nullopt if the image does not determine the scale between the submaps.
 std::optional<KeyframeJoint> make_joint(const Submap& a, const Submap& b, const Correspondences& common, int k,
                                         const PairOptions& options) {
   const SharedKeyframe& shared = common.keyframes[k];
@@ -48,7 +48,7 @@ ComparedPair compare_submaps(const Submap& a, const Submap& b, const PairOptions
   if (!edge.link.accepted()) return pair;
   std::vector<int64_t> where;
   for (size_t k = 0; k < common.keyframes.size(); ++k) {
-    if (!alignment.keyframe_inlier[k]) continue;  // one of the two is bent there
+    if (!alignment.keyframe_inlier[k]) continue;  // one of the submaps is bent there
     where.push_back(common.keyframes[k].utime_us);
     if (const auto joint = make_joint(a, b, common, static_cast<int>(k), options)) edge.joints.push_back(*joint);
   }

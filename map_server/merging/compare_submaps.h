@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Two submaps made of some of the same images: whether they agree, and what that says of where they lie.
+// Compares two submaps made of some of the same images: do they agree, and how do they lie relative to each other?
 #pragma once
 
 #include "map_server/alignment/submap_alignment.h"
@@ -10,9 +10,9 @@ namespace rumi::map_server {
 
 struct PairOptions {
   AlignmentOptions alignment;
-  double joint_sigma_rotation_deg = 0.2;  // between the poses of an image in two submaps
-  double joint_sigma_translation = 0.01;  // the same, of the median depth
-  double joint_sigma_log_scale = 0.02;    // at least
+  double joint_sigma_rotation_deg = 0.2;  // standard deviation of the rotation between an image's poses in two submaps
+  double joint_sigma_translation = 0.01;  // standard deviation of their distance, as a share of the median depth
+  double joint_sigma_log_scale = 0.02;    // standard deviation of the log scale between them, at least
 };
 
 ComparedPair compare_submaps(const Submap& a, const Submap& b, const PairOptions& options);

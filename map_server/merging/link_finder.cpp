@@ -13,12 +13,13 @@
 namespace rumi::map_server {
 namespace {
 
-void inherit(const BuildInput& input, LinkGraph* graph) {
-  if (!std::exchange(graph->has_inherited, true))
-    for (const Placements* map : {&input.placed, &input.kept})
-      for (const auto& [key, placement] : *map) graph->inherited.emplace_back(map->begin()->first, key);
+// At the first call, fills tied_before from the placed maps. Then drops the pairs that edges join meanwhile.
+void update_tied_before(const BuildInput& input, LinkGraph* graph) {
+  if (!std::exchange(graph->knows_tied_before, true))
+    for (const Placements* map : {&input.placed, &input.beside})
+      for (const auto& [key, placement] : *map) graph->tied_before.emplace_back(map->begin()->first, key);
   Groups tied = graph->tied();
-  std::erase_if(graph->inherited,
+  std::erase_if(graph->tied_before,
                 [&](const SubmapPair& pair) { return tied.find(pair.first) == tied.find(pair.second); });
 }
 
@@ -28,7 +29,7 @@ LinkGraph LinkFinder::find(LinkGraph graph, const BuildInput& input) {
   const StageClock clock("map_server.links");
   compare(input, &graph);
   search_places(input, &graph);
-  inherit(input, &graph);
+  update_tied_before(input, &graph);
   if (input.scope != BuildScope::kWeld) search_beside_members(input, &graph);
   return graph;
 }
@@ -37,7 +38,7 @@ void LinkFinder::compare(const BuildInput& input, LinkGraph* graph) const {
   for (auto a = input.submaps.begin(); a != input.submaps.end(); ++a)
     for (auto b = std::next(a); b != input.submaps.end() && !input.is_cancelled(); ++b) {
       if (input.fixed.contains(a->first) && input.fixed.contains(b->first)) continue;
-      if (!may_share_images(*a->second, *b->second)) {  // as most pairs of a large map: nothing is kept of them
+      if (!may_share_images(*a->second, *b->second)) {  // true of most pairs of a large map, so nothing is stored
         graph->compared.erase({a->first, b->first});
         continue;
       }
@@ -55,7 +56,7 @@ bool LinkFinder::is_joined(const LinkGraph& graph, const Place& a, const Place& 
   if (edge->link.accepted())
     return a.image.stream == b.image.stream &&
            static_cast<double>(std::abs(a.image.utime_us - b.image.utime_us)) <= options_.places.min_apart_s * 1e6;
-  // Where the same images do not fit together, that they look alike says nothing new: one of the submaps is torn.
+  // Submaps whose common images do not fit together are torn: their similar looks prove nothing then.
   return edge->link.keyframes >= kMinSharedKeyframes && edge->link.landmarks >= options_.pairs.alignment.min_landmarks;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Finds how submaps lie to each other: looks at every two of which one has changed since they were compared, and for
-// the place of every keyframe that is new.
+// Finds how submaps lie relative to each other: it compares any two submaps one of which has changed since their last
+// comparison, and searches for the place of every new keyframe.
 #pragma once
 
 #include "map_server/links/link_graph.h"
@@ -19,15 +19,15 @@ class LinkFinder {
  public:
   explicit LinkFinder(const LinkFinderOptions& options) : options_(options), places_(options.places) {}
 
-  // The next graph. What it keeps itself only spares time: it may be asked again with a graph of before.
+  // Returns the next graph. The finder's own state only saves time, so it may be called with an earlier graph again.
   LinkGraph find(LinkGraph graph, const BuildInput& input);
 
  private:
   void compare(const BuildInput& input, LinkGraph* graph) const;
-  // No need, or no use, to compare how the two look.
+  // True if the two places need not be compared, or if their similarity would prove nothing.
   bool is_joined(const LinkGraph& graph, const Place& a, const Place& b) const;
   void search_places(const BuildInput& input, LinkGraph* graph);
-  // All other submaps once more among the places of those that the map is made of.
+  // Searches for the keyframes of submaps outside the map once more among the places of the map's members.
   void search_beside_members(const BuildInput& input, LinkGraph* graph);
 
   LinkFinderOptions options_;

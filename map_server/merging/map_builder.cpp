@@ -12,8 +12,8 @@
 namespace rumi::map_server {
 namespace {
 
-// An adjustment may change the unit and the place of the whole map. This moves the map so that the first keyframe of
-// the anchor lies where it did before.
+// Moves the whole map so that the first keyframe of the anchor lies where it did before the adjustment, which may have
+// changed the unit and the pose of the map.
 void keep_gauge(const PlacedSubmap& anchor_before, SubmapKey anchor, Placements* placements) {
   const std::map<int64_t, Sim3>& after = placements->at(anchor).map_from_submap;
   if (after.empty()) return;
@@ -40,10 +40,10 @@ bool is_up_to_date(const std::set<SubmapKey>& members, const BuildInput& input, 
   return members == input.fixed || (input.scope == BuildScope::kWeld && members == graph.built.submaps);
 }
 
-// Pairs of images that have at least `points` points in common, ascending.
+// Returns the pairs of images that have at least `points` points in common, ascending.
 std::vector<std::pair<ImageId, ImageId>> similar_images(const MapModel& model, int points) {
   std::vector<std::pair<ImageId, ImageId>> similar;
-  std::vector<int> shared(model.views.size(), 0), met;  // points that each earlier view has in common with this one
+  std::vector<int> shared(model.views.size(), 0), met;  // points in common with view v; the views that have any
   for (size_t v = 0; v < model.views.size(); ++v) {
     for (int point : model.views[v].points)
       if (point != kNone)
@@ -58,7 +58,7 @@ std::vector<std::pair<ImageId, ImageId>> similar_images(const MapModel& model, i
   return similar;
 }
 
-// The contacts of a part are added to the earlier ones; those of the whole map replace them.
+// Returns the contacts in the built map. If only a part of it was built, the earlier contacts are kept.
 BuiltContacts contacts_of(const MapModel& model, const Arrangement& arranged, int points, const BuiltContacts& before) {
   const bool is_whole = arranged.part.submaps == arranged.members;
   BuiltContacts contacts{.submaps = arranged.members, .touching = {}, .similar = similar_images(model, points)};
@@ -96,7 +96,7 @@ BuiltMap MapBuilder::build(LinkGraph graph, const BuildInput& input) const {
   map.placements = split(map.model, map.submaps);
   if (input.scope != BuildScope::kWeld)
     built.culled = MapCulling(options_.culling, options_.links.pairs).cull(input, &built.graph, &map);
-  if (input.fixed.empty() && arranged->part.held.empty())
+  if (input.fixed.empty() && arranged->part.fixed.empty())
     keep_gauge(map.submaps.at(arranged->anchor), arranged->anchor, &map.placements);
   built.placements = std::move(map.placements);
   const std::set<SubmapKey>& part = arranged->part.submaps;
@@ -105,7 +105,7 @@ BuiltMap MapBuilder::build(LinkGraph graph, const BuildInput& input) const {
   return built;
 }
 
-// The views of new submaps, and the views that share most points with them.
+// Returns the views of new submaps, and the other views that share most points with them.
 std::vector<int> MapBuilder::weld_window(const BuiltContacts& before, const MapModel& model) const {
   std::vector<int> window;
   std::map<int, int> shared;
@@ -118,7 +118,7 @@ std::vector<int> MapBuilder::weld_window(const BuiltContacts& before, const MapM
         for (const MapModel::Observation& o : model.points[point].observations) ++shared[o.view];
   }
   for (int view : window) shared.erase(view);
-  std::vector<std::pair<int, int>> neighbours;  // points, view
+  std::vector<std::pair<int, int>> neighbours;  // minus the points in common, view
   neighbours.reserve(shared.size());
   for (const auto& [view, points] : shared) neighbours.emplace_back(-points, view);
   std::sort(neighbours.begin(), neighbours.end());
@@ -150,7 +150,7 @@ MapBuildReport MapBuilder::adjust(const BuildInput& input, const BuiltContacts& 
   MapBundleOptions last = options_.bundle;
   last.solver = &solver;
   last.cancel = input.cancel;
-  // Each association moves the map again, so only the last adjustment needs to converge.
+  // Each association moves the map again, so only the last adjustment must converge.
   MapBundleOptions on_the_way = last;
   on_the_way.function_tolerance = on_the_way.passing_tolerance;
   MapBundleReport bundle = adjust_map(window, rounds > 0 ? on_the_way : last, model);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Makes one map of the submaps that links connect (paper, section IV.C): arranges, welds, adjusts and culls them. It
-// uses no clock and no threads and does not change its input: the same input gives the same map.
+// Makes one map of the submaps that links connect (paper, section IV.C): arranges, welds, adjusts and culls them. Uses
+// no clock and no threads, and does not change its input, so the same input always gives the same map.
 #pragma once
 
 #include <map>
@@ -25,24 +25,23 @@ struct MapBuilderOptions {
   MapBundleOptions bundle;
   AssociationOptions association;
   PostCullingOptions culling;
-  int joined_points = 15;    // two views that share so many points need no place search
-  int weld_neighbours = 30;  // views around new ones that are adjusted with them
-  int association_rounds =
-      2;  // of BuildScope::kAll: association, then bundle adjustment; the radius is halved each time
+  int joined_points = 15;      // two views with at least this many points in common need no place search
+  int weld_neighbours = 30;    // most views around new ones that are adjusted with them
+  int association_rounds = 2;  // if kAll: association, then bundle adjustment; the search radius is halved each time
 };
 
 struct MapBuildReport {
-  int members = 0;         // submaps that hang together
-  int views = 0;           // of the map
-  int adjusted_views = 0;  // of those
+  int members = 0;         // submaps in the map
+  int views = 0;           // images in the map
+  int adjusted_views = 0;  // images whose pose was adjusted
   int points = 0, observations = 0, outliers = 0;
-  double rmse = 0;              // reprojection, sigma
-  int observed = 0, fused = 0;  // by association
+  double rmse = 0;              // root mean square of the reprojection errors, over their standard deviation
+  int observed = 0, fused = 0;  // observations added and points fused by association
 };
 
 struct BuiltMap {
-  LinkGraph graph;  // the next one
-  // The submaps of the map together. Without placements nothing was joined or adjusted.
+  LinkGraph graph;  // must be passed to the next build
+  // The submaps of the map are those of `placements` and `unmoved`. Without placements nothing was joined or adjusted.
   Placements placements = {};
   std::set<SubmapKey> unmoved = {};
   CulledSubmaps culled = {};
@@ -53,12 +52,12 @@ class MapBuilder {
  public:
   explicit MapBuilder(const MapBuilderOptions& options) : options_(options) {}
 
-  // The graph: what LinkFinder found in the same input.
+  // `graph`: LinkFinder's result for the same input.
   BuiltMap build(LinkGraph graph, const BuildInput& input) const;
 
  private:
   std::vector<int> weld_window(const BuiltContacts& before, const MapModel& model) const;
-  // What is adjusted; none: all.
+  // Returns the views that are adjusted; empty means all.
   std::vector<int> window_of(const BuildInput& input, const BuiltContacts& before, const MapModel& model) const;
   MapBuildReport adjust(const BuildInput& input, const BuiltContacts& before, MapModel* model) const;
 

@@ -12,7 +12,7 @@
 namespace rumi::map_server {
 namespace {
 
-// Keyframes kept of those that a back submap has in common with another submap, spread over them.
+// A back submap keeps this many of the keyframes that it has in common with another submap, spread over all of them.
 constexpr int kKeptJoints = 4;
 
 void need(const KeyframeJoint& joint, KeyframeSets* needed) {
@@ -20,7 +20,8 @@ void need(const KeyframeJoint& joint, KeyframeSets* needed) {
   (*needed)[joint.b.submap].insert(joint.b.id);
 }
 
-// Where two do not agree, the back submap is believed; and what was refused is tried again when more is known.
+// Marks keyframes of one image as needed if they do not agree: there the back submap's pose is believed, and a refused
+// link is compared again when more is known.
 void need_what_disagrees(const Submaps& submaps, const std::set<JointName>& agree, KeyframeSets* needed) {
   std::map<ImageId, std::vector<KeyframeRef>> images;
   for (const auto& [key, submap] : submaps)
@@ -85,7 +86,8 @@ CulledSubmaps MapCulling::cull(const BuildInput& input, LinkGraph* graph, Adjust
   }
   forget_removed(map->submaps, &map->model);
   Placements left_placed = split(map->model, map->submaps);
-  for (auto& [key, placement] : left_placed)  // which the frames hang on: of all landmarks, not of those that are left
+  // Keeps the similarities from before: frames hang on them, and they were computed from the removed landmarks too.
+  for (auto& [key, placement] : left_placed)
     for (auto& [utime_us, similarity] : placement.map_from_submap) similarity = map->placements.at(key).at(utime_us);
   map->placements = std::move(left_placed);
   return culled;

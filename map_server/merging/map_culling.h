@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What post-culling leaves out of a map that has been built, and what stays because it holds the map together.
+// Removes from a built map what it can do without, but no keyframe that holds the map together.
 #pragma once
 
 #include <map>
@@ -14,12 +14,12 @@
 
 namespace rumi::map_server {
 
-// The next revision of back submaps, without what the map can do without; placed like that.
+// The next revisions of back submaps, without the elements that the map does not need. Their placements are kept.
 using CulledSubmaps = std::map<SubmapKey, std::shared_ptr<const Submap>>;
 
-// A map after its adjustment.
+// A map after bundle adjustment.
 struct AdjustedMap {
-  PlacedSubmaps submaps;  // as they were placed before it
+  PlacedSubmaps submaps;  // the submaps, with their placements before the adjustment
   MapModel model = {};
   Placements placements = {};
 };
@@ -28,8 +28,9 @@ class MapCulling {
  public:
   MapCulling(const PostCullingOptions& options, const PairOptions& pairs) : options_(options), pairs_(pairs) {}
 
-  // Leaves what the map can do without out of its back submaps, and of all else. Whatever was joined to them could be
-  // joined to what is left; the graph takes it as compared.
+  // Removes the elements that the map does not need from its back submaps, from the model and from the placements.
+  // Culls a submap only if its links would be found without these elements too; therefore the graph notes the culled
+  // revision as compared. Returns the culled submaps.
   CulledSubmaps cull(const BuildInput& input, LinkGraph* graph, AdjustedMap* map) const;
 
  private:
@@ -39,7 +40,7 @@ class MapCulling {
   PairOptions pairs_;
 };
 
-// What the images that submaps have in common mean for culling.
+// Returns the common images of these submaps that culling has to treat specially.
 CommonImages common_images(const Submaps& submaps, const LinkGraph& graph);
 
 }  // namespace rumi::map_server

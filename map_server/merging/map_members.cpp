@@ -10,20 +10,20 @@ namespace {
 
 struct GroupSize {
   std::set<ImageId> frames;
-  size_t preferred_frames = 0;
-  bool has_front = false;  // which decides between equals
+  size_t present_frames = 0;
+  bool has_front = false;  // decides between groups that are otherwise equal
 
   bool operator<(const GroupSize& other) const {
-    return std::tuple(preferred_frames, frames.size(), has_front) <
-           std::tuple(other.preferred_frames, other.frames.size(), other.has_front);
+    return std::tuple(present_frames, frames.size(), has_front) <
+           std::tuple(other.present_frames, other.frames.size(), other.has_front);
   }
 };
 
-void count(const Submap& submap, bool is_preferred, GroupSize* size) {
+void count(const Submap& submap, bool is_present, GroupSize* size) {
   size->has_front = size->has_front || submap.kind == SubmapKind::kFront;
   const size_t before = size->frames.size();
   for (const auto& [utime_us, frame] : submap.frames) size->frames.insert({utime_us, submap.stream});
-  if (is_preferred) size->preferred_frames += size->frames.size() - before;
+  if (is_present) size->present_frames += size->frames.size() - before;
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ std::set<SubmapKey> choose_members(const LinkGraph& graph, const BuildInput& inp
   for (const SubmapKey& key : input.fixed) groups.unite(key, *input.fixed.begin());
   std::map<size_t, GroupSize> sizes;
   for (const auto& [key, submap] : input.submaps)
-    count(*submap, input.preferred.contains(key.session), &sizes[groups.find(key)]);
+    count(*submap, input.present.contains(key.session), &sizes[groups.find(key)]);
   if (!input.fixed.empty())
     std::erase_if(sizes, [&](const auto& group) { return group.first != groups.find(*input.fixed.begin()); });
   const auto largest =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which submaps the map is made of.
+// Decides which submaps belong to the map.
 #pragma once
 
 #include <set>
@@ -9,9 +9,9 @@
 
 namespace rumi::map_server {
 
-// The largest group, in frames of the sessions that are preferred and then of all, of submaps that hang together, with
-// or without a front submap among them; with fixed ones, their group. That two were placed before is no reason: an edge
-// that turned out to be wrong holds nothing any more.
+// Chooses the submaps of the map: the group of joined submaps with most frames of present sessions; if groups are
+// equal, the one with most frames, and then one with a front submap. If there are fixed submaps, it is their group.
+// Submaps that were placed together earlier, but whose edge was refused since, are in different groups.
 std::set<SubmapKey> choose_members(const LinkGraph& graph, const BuildInput& input);
 
 }  // namespace rumi::map_server

@@ -59,7 +59,8 @@ void MapMerger::begin(BuildScope scope, int64_t now_us, const Atlas& atlas) {
   worker_.post([this] { run_.run(); });
 }
 
-// Copies only what has changed. Those that are tried by halves stay as they were.
+// Copies only submaps that have changed. While halves of the new submaps are tried, it copies nothing, because all
+// tries must use the same revisions.
 void MapMerger::copy_submaps(const Atlas& atlas) {
   if (suspects_.unfinished()) return;
   for (const auto& [key, owner] : atlas.submaps()) {
@@ -84,7 +85,7 @@ std::optional<MergeResult> MapMerger::end(const Atlas& atlas) {
   is_building_ = false;
   std::string reason = worker_.take_broken().reason;
   if (cancel_) return std::nullopt;
-  if (reason.empty()) reason = run_.take_over(atlas);
+  if (reason.empty()) reason = run_.take_over(atlas).error_text();
   last_broke_off_ = !reason.empty();
   if (!last_broke_off_) return accept();
   give_up(reason);
@@ -94,7 +95,7 @@ std::optional<MergeResult> MapMerger::end(const Atlas& atlas) {
 MergeResult MapMerger::accept() {
   MergeResult& result = run_.result();
   suspects_.built();
-  for (const auto& [key, submap] : result.culled) {  // no news
+  for (const auto& [key, submap] : result.culled) {  // so that the culled submap causes no further build
     copies_[key] = submap;
     suspects_.replaced(key, submap->revision);
   }
@@ -107,14 +108,14 @@ void MapMerger::give_up(const std::string& reason) {
   run_.end(true);
   refused_.note(reason, now_us_);
   const std::set<SubmapKey> before = left_out();
-  schedule_.broke_off(suspects_.broke_off(run_.take_blamed(), now_us_));
+  schedule_.broke_off(suspects_.broke_off(run_.take_failing(), now_us_));
   if (left_out() != before) log_warning("the map is built without {} until changed", describe(left_out()));
 }
 
 void MapMerger::free(std::vector<Placement> placements) {
   worker_.post([placements = std::make_shared<std::vector<Placement>>(std::move(placements))]() mutable {
     placements.reset();
-    malloc_trim(0);  // an adjustment takes, in small pieces, as much as all else
+    malloc_trim(0);  // an adjustment leaves many small free blocks, together as large as all other memory
   });
 }
 

@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// When the map is built, and where: in a thread of its own (live) or at once (replay), of copies of the submaps, so
-// that the atlas goes on changing meanwhile. A build that throws is refused: map and links stay as they are, and the
-// next build goes without what is in doubt.
+// Builds the map when that is due: in a thread of its own (live) or at once (replay), from copies of the submaps, so
+// that the atlas may change meanwhile. The result of a build that throws is discarded: map and links stay unchanged,
+// and the next build leaves out the submaps in doubt. BuildSchedule decides when to build, Suspects from which submaps,
+// and BuildRun owns all data that the building thread uses. The states:
+//
+//   is_building_   worker        what tick() does
+//   false          idle          begins a build if one is due
+//   true           at work       nothing
+//   true           idle again    accepts the result, or gives it up
 #pragma once
 
 #include <atomic>
@@ -18,36 +24,37 @@
 
 namespace rumi::map_server {
 
-// When the map is built.
+// When and in which thread the map is built.
 struct MergeOptions {
   MapBuilderOptions builder;
-  bool enabled = true;                // false: the map is the largest submap, a front one if there is any
-  bool thread = true;                 // false: at once, as replay does
-  double interval_s = 2;              // from one look at what is new to the next
-  double adjustment_interval_s = 20;  // from one adjustment of the whole map to the next, at least
-  int nice = 10;                      // of the thread
+  bool enabled = true;                // false: the map is the largest submap, a front one if there is one
+  bool thread = true;                 // false: builds at once, as in a replay
+  double interval_s = 2;              // least time from one build to the next, s
+  double adjustment_interval_s = 20;  // least time from one adjustment of the whole map to the next, s
+  int nice = 10;                      // nice value of the thread
 };
 
 class MapMerger {
  public:
   explicit MapMerger(const MergeOptions& options);
-  ~MapMerger();  // gives up what is under way
+  ~MapMerger();  // gives up the running build
 
-  // See BuildInput::fixed. What is fixed and not in the map stays out of it. Before the first tick().
+  // Sets the fixed submaps (see BuildInput::fixed) before the first tick(). Those that are not in the map stay out of
+  // it.
   void fix(std::set<SubmapKey> all, const std::set<SubmapKey>& in_map);
-  // Begins what is due and returns what is done.
+  // Begins a build if one is due, and returns the result of one that is done.
   std::optional<MergeResult> tick(int64_t now_us, const Atlas& atlas);
-  // Everything that is known now and left to do is due at once, until an adjustment of the whole map has begun with it.
+  // Makes builds due at once, until an adjustment of the whole map has begun with everything known now.
   void hurry() { schedule_.hurry(); }
   bool hurried() const { return schedule_.is_in_a_hurry() || suspects_.unfinished(); }
-  // Nothing is left to do, and nothing under way.
+  // True if there is nothing left to build and no build is running.
   bool idle(const Atlas& atlas) const { return !is_building_ && schedule_.is_at_rest(needs_of(atlas)); }
   bool running() const { return is_building_; }
-  // Frees them where the map is built: that takes long.
+  // Frees placements in the building thread, because freeing takes long.
   void free(std::vector<Placement> placements);
   // Builds that threw.
   const Failures& refused() const { return refused_; }
-  // The last build threw, or submaps are still to be tried or left out because one did.
+  // True if the last build threw, or if because of a failed build submaps must still be tried or are left out.
   bool in_doubt() const { return last_broke_off_ || suspects_.unfinished() || !suspects_.left_out().empty(); }
   std::set<SubmapKey> left_out() const { return suspects_.left_out(); }
 
@@ -62,7 +69,7 @@ class MapMerger {
 
   MergeOptions options_;
   std::atomic<bool> cancel_ = false;
-  SubmapCopies copies_;  // all submaps as they were when the last build began
+  SubmapCopies copies_;  // all submaps, at their revisions when the last build began
   Suspects suspects_;
   BuildSchedule schedule_;
   BuildRun run_;  // belongs to the worker while is_building_
@@ -70,7 +77,7 @@ class MapMerger {
   bool last_broke_off_ = false;
   Failures refused_{"a build of the map"};
   int64_t now_us_ = 0;
-  Worker worker_;  // last: its thread ends first
+  Worker worker_;  // the last member: its thread ends before the others are destroyed
 };
 
 }  // namespace rumi::map_server

@@ -29,7 +29,7 @@ MapPart part_around(const std::set<SubmapKey>& fresh, const std::set<SubmapKey>&
   for (const SubmapKey& key : part.submaps)
     if (std::any_of(neighbours[key].begin(), neighbours[key].end(),
                     [&](const SubmapKey& other) { return !part.submaps.contains(other); }))
-      part.held.insert(key);
+      part.fixed.insert(key);
   return part;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of the map that is looked at when something is added to it: however large the map, an addition is bent and
-// welded with what lies around it.
+// The part of the map that a weld arranges: new submaps are bent and welded only together with the submaps around them,
+// however large the map is.
 #pragma once
 
 #include <set>
@@ -11,11 +11,11 @@ namespace rumi::map_server {
 
 struct MapPart {
   std::set<SubmapKey> submaps;
-  std::set<SubmapKey> held;  // of those: what is outside hangs on them, so they stay where they are
+  std::set<SubmapKey> fixed;  // submaps of the part that touch others outside it, so that they must not move
 };
 
-// Those that are `fresh`, all that they are in contact with, and what that is in contact with in turn, until there are
-// about so many keyframes. Only members count.
+// Returns a part with the `fresh` submaps, all members in contact with them, then the members in contact with those,
+// and so on until it has about `keyframes` keyframes.
 MapPart part_around(const std::set<SubmapKey>& fresh, const std::set<SubmapKey>& members, const SubmapPairs& contacts,
                     const Submaps& submaps, int keyframes);
 

@@ -9,8 +9,8 @@
 namespace rumi::map_server {
 namespace {
 
-// From one try of a submap that breaks builds off to the next: a submap that still grows changes all the time, and what
-// the builder knew is lost each time.
+// A left-out submap that has changed is tried again after this time. A submap that grows changes all the time, and
+// every build that throws is wasted work.
 constexpr int64_t kDoubtUs = 60'000'000;
 
 bool has(const Suspects::Revisions& revisions, SubmapKey key, int64_t revision) {
@@ -39,14 +39,15 @@ Suspects::Revisions Suspects::choose(const Revisions& all, Scope scope, int64_t 
   return chosen_;
 }
 
-// What the whole map was built with could be welded, too.
+// Notes the chosen submaps as known to build, also for smaller scopes: a submap with which the whole map was built can
+// be welded too.
 void Suspects::built() {
   for (int scope = static_cast<int>(scope_); scope >= 0; --scope) good_[scope] = chosen_;
 }
 
-bool Suspects::broke_off(const std::set<SubmapKey>& to_blame, int64_t now_us) {
-  for (const SubmapKey& key : new_.size() == 1 ? new_ : to_blame) doubts_[key] = {chosen_.at(key), now_us};
-  if (new_.size() > 1 && to_blame.empty()) {
+bool Suspects::broke_off(const std::set<SubmapKey>& failing, int64_t now_us) {
+  for (const SubmapKey& key : new_.size() == 1 ? new_ : failing) doubts_[key] = {chosen_.at(key), now_us};
+  if (new_.size() > 1 && failing.empty()) {
     const auto middle = std::next(new_.begin(), static_cast<std::ptrdiff_t>(new_.size() / 2));
     untried_.emplace_back(middle, new_.end());
     untried_.emplace_back(new_.begin(), middle);

@@ -20,7 +20,7 @@ class Divider {
   std::vector<int> grow(int seed, int most) {
     std::vector<int> piece;
     std::vector<int> shared(model_.views.size(), 0);
-    std::priority_queue<std::pair<int, int>> best;  // points shared, -view; those of before it grew are passed over
+    std::priority_queue<std::pair<int, int>> best;  // points in common, -view; outdated entries are skipped
     ++number_;
     best.emplace(0, -seed);
     while (!best.empty() && static_cast<int>(piece.size()) < most) {
@@ -54,7 +54,7 @@ class Divider {
 
   const MapModel& model_;
   std::vector<char> left_;
-  std::vector<int> in_piece_;  // the number of the piece that saw the point last
+  std::vector<int> in_piece_;  // by point: the number of the last piece that sees it
   int number_ = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The views of a map in pieces that can be adjusted one by one.
+// Divides the views of a map into pieces that can be adjusted one after another.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,9 @@
 
 namespace rumi::map_server {
 
-// Each of these views once, in pieces of at most `most`, the first one of at most `first`: a piece grows by the view
-// that shares most points with it, and ends where nothing does. With another `first` they meet elsewhere.
+// Returns each of these views once, in pieces of at most `most` views; the first piece has at most `first`. A piece
+// grows by the view that shares most points with it, and ends when no remaining view shares any. Another `first` shifts
+// the borders between the pieces.
 std::vector<std::vector<int>> covisible_pieces(const MapModel& model, const std::vector<int>& views, int most,
                                                int first);
 

@@ -13,19 +13,19 @@
 namespace rumi::map_server {
 namespace {
 
-constexpr double kMinOctave = -1.5;  // from nearer by it is too large to be found
+constexpr double kMinOctave = -1.5;  // a point that would appear at a lower octave is too far away to be detected
 
-// How a point looked to those who saw it.
+// The appearance of a point in the views that observe it.
 struct Look {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // mean of the unit vectors from the cameras
-  double octave0_distance = 0;                          // from where it would be a keypoint of octave 0
+  double octave0_distance = 0;                          // distance at which it would be a keypoint of octave 0
 };
 
 class Associator {
  public:
   Associator(const AssociationOptions& options, MapModel* model)
       : o_(options), model_(*model), looks_(model->points.size()) {
-    double factor = 1;  // of the coarsest pyramid
+    double factor = 1;  // largest scale factor of all views' pyramids
     for (const MapModel::View& view : model_.views) factor = std::max(factor, view.pyramid.scale_factor);
     std::vector<double> reach(looks_.size());
     for (size_t p = 0; p < looks_.size(); ++p) {
@@ -102,7 +102,7 @@ class Associator {
                                                                                                     : kNone;
   }
 
-  // Two points that one image sees at different keypoints are different things.
+  // Two points that one image observes at different keypoints are different points.
   bool may_fuse(int a, int b, const MapModel::View& view) const {
     const double depth_a = (view.cam_from_map * model_.points[a].position).z();
     const double depth_b = (view.cam_from_map * model_.points[b].position).z();

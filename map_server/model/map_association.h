@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Points of the served map that are found in more images than those that made them: projected into every view that
-// should see them and compared by descriptor. This is what ties together submaps of different times that saw the same
-// place, once the map is about right.
+// Finds more observations of the map's points: projects each point into every view that should see it, and compares
+// descriptors. If the map is about right, this connects submaps of different times that saw the same place.
 #pragma once
 
 #include "map_server/model/map_model.h"
@@ -9,19 +8,19 @@
 namespace rumi::map_server {
 
 struct AssociationOptions {
-  double radius_px = 40;           // around the projection, at octave 0; as far as a long loop may be off
-  int max_distance = 50;           // Hamming
-  double max_ratio = 0.8;          // best over second best
-  double max_view_angle_deg = 45;  // between the direction to look from and the mean of those it was seen from
-  double max_depth_ratio = 0.1;    // between the depths of two points that are fused, seen from the same view
+  double radius_px = 40;           // search radius at octave 0, px; loops may be off by this much
+  int max_distance = 50;           // largest Hamming distance
+  double max_ratio = 0.8;          // largest ratio of the best distance to the second best
+  double max_view_angle_deg = 45;  // largest angle from a view's ray to the mean of the point's rays
+  double max_depth_ratio = 0.1;    // largest log ratio of the depths of two fused points in one view
 };
 
 struct AssociationReport {
-  int observed = 0;  // new observations by keypoints that saw nothing
-  int fused = 0;     // points
+  int observed = 0;  // new observations, at keypoints that observed no point
+  int fused = 0;     // points fused into another one
 };
 
-// Looks in these views, or in all if none are given.
+// Searches in these views, or in all if `views` is empty.
 AssociationReport associate(const AssociationOptions& options, const std::vector<int>& views, MapModel* model);
 
 }  // namespace rumi::map_server

@@ -13,8 +13,8 @@
 namespace rumi::map_server {
 namespace {
 
-// Observations of a view that it takes to place it: three place it anywhere, and of a few the wrong ones do not show.
-// An image that went dark while SIFT still placed it may have no more.
+// A view with fewer observations is not placed by them. Any pose fits three observations, and wrong ones do not stand
+// out among a few. An image in which SIFT still finds features in the dark may have fewer ORB observations.
 constexpr int kLeastToPlace = 15;
 
 class Bundle {
@@ -73,7 +73,7 @@ class Bundle {
       const MapModel::View& view = model_.views[o.view];
       const Keypoint& keypoint = view.features->keypoints[o.keypoint];
       const Eigen::Vector2d pixel = view.features->undistorted[o.keypoint].cast<double>();
-      // All in the pixels of one camera.
+      // Converts the observation to the pixels of the camera that all views share in the problem.
       const Eigen::Vector2d in_camera(camera_.fx * (pixel.x() - view.camera.cx) / view.camera.fx + camera_.cx,
                                       camera_.fy * (pixel.y() - view.camera.cy) / view.camera.fy + camera_.cy);
       const double sigma_px = view.pyramid.scale(keypoint.octave);
@@ -82,7 +82,8 @@ class Bundle {
     }
   }
 
-  // Observations below the gate, of views that they can place and of points that have two of them at least.
+  // Returns the observations with errors below the gate, of views that keep enough of them and points that keep two or
+  // more.
   std::vector<BundleProblem::Observation> within(double gate_chi2) {
     std::vector<char> good(problem_.observations.size());
     std::vector<int> of_view(problem_.views.size(), 0), of_point(problem_.points.size(), 0);
@@ -103,8 +104,8 @@ class Bundle {
     return chosen;
   }
 
-  // Where the view is if it goes with that which is next to it in time of those that were placed, of its own stream if
-  // it can be.
+  // Returns the pose of a view that moves along with the placed view nearest in time, of its own stream if there is
+  // one.
   SE3 carried_along(size_t view) const {
     const auto before = [this](size_t v) -> const MapModel::View& { return model_.views[views_[v]]; };
     const auto apart = [&](size_t v) {
@@ -120,7 +121,7 @@ class Bundle {
   }
 
   void apply(double gate_chi2, MapBundleReport* report) {
-    // Before the model, which has where all were, is changed.
+    // This must come before the model changes, because it uses the poses before the adjustment.
     for (size_t v = 0; v < views_.size(); ++v)
       if (!is_placed_[v]) problem_.views[v].cam_from_submap = carried_along(v);
     for (size_t v = 0; v < views_.size(); ++v)
@@ -143,9 +144,9 @@ class Bundle {
   MapModel& model_;
   Camera camera_;
   BundleProblem problem_;
-  std::vector<int> views_, points_;  // of the model, by index in the problem
+  std::vector<int> views_, points_;  // index in the model, by index in the problem
   std::vector<int> index_of_view_;
-  std::vector<bool> is_placed_;  // by index in the problem: in the last round
+  std::vector<bool> is_placed_;  // whether the last round placed the view, by index in the problem
   size_t free_views_ = 0;
 };
 
@@ -154,7 +155,7 @@ MapBundleReport adjust_in_pieces(const std::vector<int>& views, const MapBundleO
   for (size_t round = 0; round < options.gates_chi2.size(); ++round) {
     MapBundleOptions one = options;
     one.gates_chi2 = {options.gates_chi2[round]};
-    one.solver = nullptr;  // pieces see different things
+    one.solver = nullptr;  // the solver cannot be shared, because pieces see different points
     sum = {};
     double squares = 0;
     for (const std::vector<int>& piece :

@@ -57,7 +57,7 @@ class Bender {
   }
 
   void add_submap(SubmapKey key, const Submap& submap) {
-    std::map<std::pair<int, int>, int> shared;  // landmarks, of pairs of keyframes
+    std::map<std::pair<int, int>, int> shared;  // number of landmarks in common, by pairs of keyframes
     for (auto it = submap.keyframes.begin(); it != submap.keyframes.end(); ++it) {
       if (const auto next = std::next(it); next != submap.keyframes.end()) shared[{it->first, next->first}] = 1;
       int added = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bends submaps where their joints ask for it: a pose graph over all their keyframes, each a similarity of its own, so
-// that a scale that drifted within a submap is spread along it. Done before the bundle adjustment, which would stop at
-// the first wrong answer from so far away.
+// Bends submaps at their joints: solves a pose graph over all their keyframes, each with a similarity of its own, so
+// that a drift of the scale within a submap is spread along it. This comes before bundle adjustment, which would end in
+// a local minimum if it began that far from the solution.
 #pragma once
 
 #include <cstddef>
@@ -15,26 +15,27 @@
 namespace rumi::map_server {
 
 struct MapGraphOptions {
-  // Of the pose of one keyframe relative to another with which it shares 100 landmarks; it grows as their number falls.
+  // Standard deviations of the relative pose of two keyframes that share 100 landmarks. With fewer they are larger.
   double sigma_rotation_deg = 0.1;
-  double sigma_translation = 0.01;  // of the median depth
+  double sigma_translation = 0.01;  // as a share of the median depth
   double sigma_log_scale = 0.005;
-  int neighbours = 5;  // of a keyframe, besides the next one in time
+  int neighbours = 5;  // most covisibility edges of a keyframe, besides the one to the next in time
   int min_shared_landmarks = 15;
-  double max_joint_chi2 = 100;  // median of a link's joints, after bending; what is farther out is a mistake
+  double max_joint_chi2 = 100;  // a link is wrong if the median of its joints' chi2 is larger after bending
 };
 
-// The joints of one link: right or wrong together.
+// The joints of one link, which are right or wrong together.
 using LinkJoints = std::vector<KeyframeJoint>;
 
 struct MapGraphReport {
-  bool bent = false;                            // false: nothing was changed
+  bool bent = false;                            // false: no submap was changed
   std::vector<std::vector<double>> joint_chi2;  // per link and joint, after bending
-  std::vector<bool> is_wrong;                   // per link: all the others contradict it, and it counted for nothing
+  std::vector<bool> is_wrong;                   // by link: whether the others contradict it; such a link has no weight
 };
 
-// Moves the keyframes of the submaps; those of the anchor's first keyframe stays. Positions of landmarks that were
-// adjusted before follow their keyframes. `may_be_wrong` is asked only where links contradict each other.
+// Moves the keyframes of the submaps, except the anchor's first keyframe. Landmark positions from an earlier adjustment
+// follow their keyframes. `may_be_wrong` is called only if links contradict each other; it says which links may be
+// refused.
 MapGraphReport bend(const std::vector<LinkJoints>& links, const std::function<bool(size_t link)>& may_be_wrong,
                     SubmapKey anchor, const MapGraphOptions& options, std::map<SubmapKey, PlacedSubmap>* submaps);
 

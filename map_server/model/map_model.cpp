@@ -15,8 +15,9 @@ namespace {
 
 constexpr size_t kMinScaleLandmarks = 5;
 
-// Which keypoint of `to` is each keypoint of `from`, features of the same image? kNone where there is none. A detector
-// may find one pixel in two octaves: where both submaps have the same keypoints each is itself.
+// Returns for each keypoint of `from` the keypoint of `to` (features of the same image) at the same place; kNone if
+// there is none. If both have the same keypoints, each is matched with the one of its own index, because a detector may
+// find one pixel in two octaves.
 std::vector<int> same_keypoints(const Features& from, const Features& to, const Camera& camera, float same_px) {
   std::vector<int> same(from.size(), kNone);
   if (same_corners(from, to)) {
@@ -58,7 +59,7 @@ class Joiner {
  private:
   struct Seen {
     int view = 0;
-    std::vector<int> keypoints;  // of the view's features, by index of the keyframe's own; empty: they are the same
+    std::vector<int> keypoints;  // index in the view's features, by index in the keyframe's; empty: the same
   };
   struct Item {
     LandmarkRef ref;
@@ -124,7 +125,7 @@ class Joiner {
     std::vector<int> point_of(items_.size(), kNone);
     for (size_t i = 0; i < items_.size(); ++i) {
       int& point = point_of[same_.find(i)];
-      if (point == kNone) {  // i stands for all
+      if (point == kNone) {  // item i represents all items that are the same point
         const PlacedSubmap& placed = submaps_.at(items_[i].ref.submap);
         const Landmark& landmark = *placed.submap->landmark(items_[i].ref.id);
         point = static_cast<int>(model_.points.size());
@@ -139,10 +140,10 @@ class Joiner {
   const std::map<SubmapKey, PlacedSubmap>& submaps_;
   float same_px_;
   MapModel model_;
-  std::map<std::pair<SubmapKey, int>, Seen> seen_;  // by keyframe
-  std::vector<std::vector<int>> first_seen_;        // per view and keypoint, the item that was there first
+  std::map<std::pair<SubmapKey, int>, Seen> seen_;  // the view of each keyframe
+  std::vector<std::vector<int>> first_seen_;        // by view and keypoint: the first item seen there
   std::vector<Item> items_;                         // landmarks, those of back submaps first
-  UnionFind same_;                                  // items that are one thing
+  UnionFind same_;                                  // groups of items that are one point
   std::map<LandmarkRef, size_t> index_;
 };
 
@@ -159,8 +160,8 @@ double scale_at(const MapModel& model, const MapModel::View& view, const std::ma
   return ratios.size() < kMinScaleLandmarks ? otherwise : median(&ratios);
 }
 
-// Which of the landmarks that are one point the others are fused into: one of a fixed submap, if there is one, that
-// stands for itself there; or what stands for it, which may be outside of the model.
+// Returns the landmark into which the point's other landmarks are fused: one of a fixed submap, if there is one. If
+// that landmark is itself fused into one outside the model, returns the one outside.
 LandmarkRef stands_for(const std::vector<LandmarkRef>& landmarks, const std::map<SubmapKey, PlacedSubmap>& submaps) {
   std::optional<LandmarkRef> outside;
   for (const LandmarkRef& ref : landmarks) {
@@ -223,10 +224,10 @@ std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<Subma
   std::map<SubmapKey, std::map<int, int>> point_of;
   for (const auto& [key, placed] : submaps) placements[key];
   for (size_t p = 0; p < model.points.size(); ++p) {
-    // Where nothing says where it is it follows its keyframe.
+    // A point that is not placed gives its landmarks no position: they follow their keyframes.
     if (model.points[p].observations.size() < 2 || !model.points[p].position.allFinite()) continue;
     const std::vector<LandmarkRef>& landmarks = model.points[p].landmarks;
-    if (landmarks.empty()) continue;  // all of them were culled
+    if (landmarks.empty()) continue;  // all its landmarks were culled
     const LandmarkRef into = stands_for(landmarks, submaps);
     for (const LandmarkRef& ref : landmarks) {
       point_of[ref.submap][ref.id] = static_cast<int>(p);

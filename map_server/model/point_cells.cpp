@@ -13,9 +13,9 @@ namespace rumi::map_server {
 namespace {
 
 constexpr double kCellsPerReach = 8;
-constexpr double kSlack = 1 + 1e-9;  // rounding must not cost a point
+constexpr double kSlack = 1 + 1e-9;  // so that rounding loses no point
 
-// Between the optical axis and the corner that is farthest from it.
+// Returns the angle between the optical axis and the image corner farthest from it.
 double half_field_rad(const Camera& camera) {
   double widest = 0;
   for (double u : {0, camera.width})

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The points of the map by where they are, so that a view need not look at all of them.
+// Sorts the points of the map into cells, so that a view need not test each point.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,14 +12,16 @@ namespace rumi::map_server {
 class PointCells {
  public:
   PointCells() = default;
-  // `reach`: per point, from how far it can be seen at most. Points that are not finite, or of no reach, are left out.
+  // `reach`: for each point, the largest distance at which it can be seen. Points that are not finite or have no reach
+  // are left out.
   PointCells(const std::vector<MapModel::Point>& points, const std::vector<double>& reach);
 
-  // Indices, ascending, of all points that lie in the view's field of view and within their reach, and of some others.
+  // Returns the indices, ascending, of all points in the view's field of view and within their reach, and of some
+  // others near them.
   std::vector<int> may_be_seen(const MapModel::View& view) const;
 
  private:
-  // All within a ball.
+  // A ball, and the points in it.
   struct Cell {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
     double radius = 0, reach = 0;

@@ -42,7 +42,7 @@ class Finder {
     return submap.kind == SubmapKind::kBack && submap.closed && !contains(common_.needed, key_of(ref));
   }
 
-  // Another keyframe of the same image stays.
+  // True if another keyframe of the same image is kept.
   bool is_doubled(const KeyframeRef& ref) const {
     const auto doubles = doubles_.find(key_of(ref));
     return doubles != doubles_.end() &&
@@ -76,12 +76,12 @@ class Finder {
   const MapModel& model_;
   const std::map<SubmapKey, PlacedSubmap>& submaps_;
   const CommonImages& common_;
-  std::vector<char> gone_;  // views of which no keyframe stays
+  std::vector<char> gone_;  // views whose keyframes are all removed
   std::map<RefKey, std::vector<RefKey>> doubles_;
   KeyframeSets redundant_;
 };
 
-// Nothing if none stays.
+// Returns the keyframe nearest in time that is kept; null if there is none.
 const Keyframe* nearest_that_stays(const Submap& submap, int64_t utime_us, const std::set<int>& leaving) {
   const Keyframe* nearest = nullptr;
   for (const auto& [id, keyframe] : submap.keyframes)
@@ -110,12 +110,13 @@ Submap without_keyframes(const Submap& submap, const Placement& placement, const
       if (landmark != kNone) seen_less.insert(landmark);
     left.remove_keyframe(id, heir->id);
   }
-  for (auto& [utime_us, frame] : left.frames) {
-    const FramePose& before = submap.frames.at(utime_us);
+  for (const auto& [utime_us, before] : submap.frames) {
+    FramePose frame = left.frames.at(utime_us);
     if (frame.reference_keyframe == before.reference_keyframe) continue;
     const Keyframe& heir = *left.keyframe(frame.reference_keyframe);
     frame.cam_from_keyframe = placement.cam_from_map(submap, before) * placement.cam_from_map(heir).inverse();
     frame.cam_from_keyframe.translation /= placement.at(heir.utime_us).scale;
+    left.set_frame(frame);
   }
   for (int id : seen_less)
     if (left.landmark(id)->observations.size() < 2) left.remove_landmark(id);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Post-culling (paper, section IV.C.3): a back submap repeats images that front submaps have too, and was made of more
-// images than it needs. What the map can do without is taken out of it; every frame keeps its pose in the map.
+// Post-culling (paper, section IV.C.3). A back submap repeats images of front submaps, and was made of more images than
+// it needs. Post-culling removes from it what the map can do without; every frame keeps its pose in the map.
 #pragma once
 
 #include <map>
@@ -14,25 +14,25 @@ namespace rumi::map_server {
 
 struct PostCullingOptions {
   bool enabled = true;
-  double redundant_share = 0.9;  // of the points of an image, that enough other images see: it adds nothing
-  int observers = 3;             // that is enough, as finely
+  double redundant_share = 0.9;  // an image is redundant if this share of its points is seen by enough other images
+  int observers = 3;             // least number of such images; each must see the point about as finely
 };
 
-using KeyframeSets = std::map<SubmapKey, std::set<int>>;  // ids
+using KeyframeSets = std::map<SubmapKey, std::set<int>>;  // keyframe ids
 
-// What the images that submaps have in common mean for culling.
+// The images that submaps have in common.
 struct CommonImages {
-  KeyframeSets needed;                 // hold the map together, or might yet: they stay
-  std::vector<KeyframeJoint> doubled;  // two keyframes of one image that agree: one of them is enough
+  KeyframeSets needed;                 // keyframes that hold the map together, or might do so later: they are kept
+  std::vector<KeyframeJoint> doubled;  // pairs of keyframes of one image that agree: one of the two is enough
 };
 
-// The keyframes of closed back submaps that the map, adjusted, can do without.
+// Returns the keyframes of closed back submaps that the adjusted map can do without.
 KeyframeSets find_redundant(const MapModel& model, const std::map<SubmapKey, PlacedSubmap>& submaps,
                             const CommonImages& common, const PostCullingOptions& options);
 
-// The next revision of the submap: without these keyframes, and without the landmarks that fewer than two keyframes are
-// left to see. Their frames hang on the keyframe nearest in time, each where the placement has it. If none would be
-// left, the submap as it is.
+// Returns the next revision of the submap, without these keyframes and without landmarks that fewer than two remaining
+// keyframes see. Their frames are attached to the keyframe nearest in time, so that each keeps its pose in the map. If
+// no keyframe would remain, returns the submap unchanged.
 Submap without_keyframes(const Submap& submap, const Placement& placement, const std::set<int>& keyframes);
 
 }  // namespace rumi::map_server

@@ -12,7 +12,7 @@
 #include "base/files/whole_file.h"
 #include "map_server/alignment/correspondences.h"
 #include "map_server/model/map_model.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/trajectory_file.h"
 
 namespace rumi::map_server {
 namespace {
@@ -83,7 +83,7 @@ uint32_t camera_id(const Camera& camera, ColmapExport* model) {
   return model->cameras.back().id;
 }
 
-// How far the observations of a point are from where it projects to, in the map.
+// Returns the mean distance of a point's observations from its projections, in pixels.
 double mean_error_px(const MapModel& map, const MapModel::Point& point) {
   double sum = 0;
   int count = 0;
@@ -97,7 +97,7 @@ double mean_error_px(const MapModel& map, const MapModel::Point& point) {
   return count > 0 ? sum / count : 0;
 }
 
-// A point is several landmarks where submaps overlap.
+// Returns the colour of the point's first landmark that has one; the submap's colour if none has.
 Colour colour_of_point(const MapModel::Point& point, const LandmarkColours& colours) {
   for (const LandmarkRef& landmark : point.landmarks)
     if (const auto seen = colours.find(landmark); seen != colours.end()) return seen->second;
@@ -130,7 +130,7 @@ std::vector<ImageId> images_of(const MapModel& map) {
   return images;
 }
 
-// From pixels of the tracked image to those of its file, which is larger where max_image_side made it smaller.
+// Converts pixels of the working image to pixels of the image file, which is larger if max_image_side shrank the image.
 class ToFile {
  public:
   ToFile(const Camera& tracked, const ImageFile* file) {
@@ -139,7 +139,7 @@ class ToFile {
     y_ = static_cast<double>(file->height) / tracked.height;
     width_ = file->width, height_ = file->height;
   }
-  // In COLMAP's pixels.
+  // Returns the pixel in COLMAP's coordinates.
   Eigen::Vector2d operator()(const Eigen::Vector2d& pixel) const {
     return (pixel.array() + kPixelShift) * Eigen::Array2d(x_, y_);
   }
@@ -176,7 +176,7 @@ ColmapExport make_model(const Atlas& atlas, const LandmarkColours& colours, cons
   return model;
 }
 
-std::string write_text(const ColmapExport& model, const fs::path& folder) {
+Result<> write_text(const ColmapExport& model, const fs::path& folder) {
   WholeFile cameras((folder / "cameras.txt").string());
   cameras.write("# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n");
   for (const ColmapCamera& c : model.cameras)
@@ -188,7 +188,7 @@ std::string write_text(const ColmapExport& model, const fs::path& folder) {
     const Eigen::Quaterniond& q = i.cam_from_map.rotation;
     const Eigen::Vector3d& t = i.cam_from_map.translation;
     std::array<double, 7> pose{q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()};
-    for (double& value : pose) value += 0.0;  // no "-0"
+    for (double& value : pose) value += 0.0;  // so that no "-0" is written
     images.write(fmt::format("{} {:.17g} {} {}\n", i.id, fmt::join(pose, " "), i.camera, i.name));
     std::string line;
     for (const auto& [pixel, point] : i.points)
@@ -206,7 +206,7 @@ std::string write_text(const ColmapExport& model, const fs::path& folder) {
     points.write(line + "\n");
   }
   for (WholeFile* file : {&cameras, &images, &points})
-    if (std::string problem = file->commit(); !problem.empty()) return problem;
+    if (const Result<> written = file->commit(); !written) return written;
   return {};
 }
 
@@ -225,7 +225,7 @@ void write_image(const ExportedImage& image, WholeFile* out) {
   }
 }
 
-std::string write_binary(const ColmapExport& model, const fs::path& folder) {
+Result<> write_binary(const ColmapExport& model, const fs::path& folder) {
   WholeFile cameras((folder / "cameras.bin").string());
   cameras.write_value(static_cast<uint64_t>(model.cameras.size()));
   for (const ColmapCamera& c : model.cameras) {
@@ -253,15 +253,15 @@ std::string write_binary(const ColmapExport& model, const fs::path& folder) {
     }
   }
   for (WholeFile* file : {&cameras, &images, &points})
-    if (std::string problem = file->commit(); !problem.empty()) return problem;
+    if (const Result<> written = file->commit(); !written) return written;
   return {};
 }
 
-std::string with_folder(const std::string& folder, const Atlas& atlas, const LandmarkColours& colours,
-                        const ImageFiles& files, std::string (*write)(const ColmapExport&, const fs::path&)) {
+Result<> with_folder(const std::string& folder, const Atlas& atlas, const LandmarkColours& colours,
+                     const ImageFiles& files, Result<> (*write)(const ColmapExport&, const fs::path&)) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) return fmt::format("cannot create {}: {}", folder, error.message());
+  if (error) return Error{fmt::format("cannot create {}: {}", folder, error.message())};
   return write(make_model(atlas, colours, files), folder);
 }
 
@@ -269,7 +269,7 @@ std::string with_folder(const std::string& folder, const Atlas& atlas, const Lan
 
 std::vector<ImageId> colmap_images(const Atlas& atlas) { return images_of(joined(atlas)); }
 
-// COLMAP knows an image by its name. The times of several recordings may be the same.
+// Names an image by its time, and by its stream too if there are several, because their times may be the same.
 std::string colmap_name(const ImageId& image, const std::vector<ImageId>& images) {
   const std::string name = seconds_text(image.utime_us) + ".jpg";
   const bool of_several_streams =
@@ -277,18 +277,18 @@ std::string colmap_name(const ImageId& image, const std::vector<ImageId>& images
   return of_several_streams ? fmt::format("{}/{}", image.stream, name) : name;
 }
 
-std::string write_colmap_text(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours,
-                              const ImageFiles& files) {
-  // There a name ends at the first space.
+Result<> write_colmap_text(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours,
+                           const ImageFiles& files) {
+  // In COLMAP's text format a name ends at the first space.
   for (const auto& [image, file] : files)
     if (file.name.find(' ') != std::string::npos)
-      return fmt::format("'{}' has a space, which no name in COLMAP's text may have: give --format colmap-bin",
-                         file.name);
+      return Error{fmt::format("'{}' has a space, which no name in COLMAP's text may have: give --format colmap-bin",
+                               file.name)};
   return with_folder(folder, atlas, colours, files, write_text);
 }
 
-std::string write_colmap_binary(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours,
-                                const ImageFiles& files) {
+Result<> write_colmap_binary(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours,
+                             const ImageFiles& files) {
   return with_folder(folder, atlas, colours, files, write_binary);
 }
 

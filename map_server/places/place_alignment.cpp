@@ -38,8 +38,8 @@ class PlaceAligner {
     return false;
   }
 
-  // First compares each keyframe itself with the views of the other place. That already refuses most pairs that have
-  // nothing in common, at a third of the work.
+  // Proposes a similarity. First compares each place's own keyframe with the views of the other place: that refuses
+  // most pairs of unrelated places at a third of the work.
   bool propose() {
     PlaceProposals proposals(a_, b_, o_.matching);
     for (size_t i = 0; i < a_.views.size(); ++i)
@@ -63,7 +63,7 @@ class PlaceAligner {
     return true;
   }
 
-  // Returns the similarity that most matches agree with, if they are enough.
+  // Returns the similarity that most matches agree with; nullopt, with a doubt, if too few agree.
   std::optional<Consensus<Sim3>> agree(const std::vector<PlaceMatch>& matches, int least, double least_ratio) {
     result_.proposed = static_cast<int>(matches.size());
     if (result_.proposed < o_.min_proposed) {
@@ -80,7 +80,7 @@ class PlaceAligner {
     return std::nullopt;
   }
 
-  std::vector<int> all() const {  // equations
+  std::vector<int> all() const {  // indices of all equations
     std::vector<int> indices(equations_.size());
     std::iota(indices.begin(), indices.end(), 0);
     return indices;
@@ -90,7 +90,8 @@ class PlaceAligner {
     return find_consensus(equations_, among, camera_a_, camera_b_, o_.consensus_px, o_.ransac_iterations);
   }
 
-  // Repeats: the refined similarity finds more and better pairs, and they refine it again.
+  // Alternates twice: the refined similarity finds more and better pairs, and they refine it again. Returns false, with
+  // a doubt, if too few landmarks agree.
   bool search_and_refine() {
     if (!refine()) return false;
     for (const double radius : {2 * o_.guided_radius_px, o_.guided_radius_px}) {
@@ -119,7 +120,7 @@ class PlaceAligner {
     return true;
   }
 
-  // Both directions use camera b: this converts a pixel of camera a.
+  // Converts a pixel of camera a to the one of camera b with the same ray: the refinement knows only camera b.
   Eigen::Vector2d pixel_in_b(const Eigen::Vector2d& pixel_a) const {
     return {(pixel_a.x() - camera_a_.cx) * camera_b_.fx / camera_a_.fx + camera_b_.cx,
             (pixel_a.y() - camera_a_.cy) * camera_b_.fy / camera_a_.fy + camera_b_.cy};
@@ -222,7 +223,7 @@ class PlaceAligner {
   const PlaceAlignmentOptions& o_;
   std::vector<PlaceMatch> matches_;
   std::vector<PlaceEquation> equations_;
-  std::vector<int> inliers_;  // indices of the equations
+  std::vector<int> inliers_;  // indices into equations_
   double sigma_translation_ = 0;
   PlaceAlignment result_;
 };

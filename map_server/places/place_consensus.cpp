@@ -19,7 +19,7 @@ class PlaceModel {
              const Camera& camera_b, double max_error_px)
       : equations_(equations), among_(among), camera_a_(camera_a), camera_b_(camera_b), max_error_px_(max_error_px) {}
 
-  // Of three pairs that agree with what they propose, which pairs with one wrong among them rarely do.
+  // Returns the similarity fitted to three pairs if all three agree with it; they rarely do if one of them is wrong.
   std::optional<Sim3> propose(const std::array<int, 3>& sample) const {
     const auto b_from_a = fit(sample);
     if (!b_from_a) return std::nullopt;

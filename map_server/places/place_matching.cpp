@@ -11,7 +11,7 @@
 namespace rumi::map_server {
 namespace {
 
-// Each landmark of either side once: the first match that names it.
+// Keeps the first match of each landmark on both sides.
 std::vector<PlaceMatch> one_to_one(const std::vector<PlaceMatch>& ranked, size_t landmarks_a, size_t landmarks_b) {
   std::vector<char> taken_a(landmarks_a, 0), taken_b(landmarks_b, 0);
   std::vector<PlaceMatch> kept;
@@ -24,11 +24,11 @@ std::vector<PlaceMatch> one_to_one(const std::vector<PlaceMatch>& ranked, size_t
 }
 
 struct Prediction {
-  Eigen::Vector2f pixel;  // undistorted
+  Eigen::Vector2f pixel;  // undistorted pixel
   double octave = 0;
 };
 
-// Projects landmarks of one place into keyframes of the other.
+// Projects landmarks of one place into keyframes of the other place.
 class Projector {
  public:
   Projector(const PlaceNeighbourhood& from, const Submap& to, const Sim3& to_from_from,
@@ -40,7 +40,8 @@ class Projector {
         log_factor_(std::log(to.pyramid.scale_factor)),
         octaves_per_octave_(std::log(from.submap->pyramid.scale_factor) / log_factor_) {}
 
-  // Nothing if out of view, seen from a too different direction, or too coarse or fine to be detected.
+  // Returns nullopt if the landmark is out of view, is seen from too different a direction, or would be of an octave
+  // that is not detected.
   std::optional<Prediction> predict(const PlaceLandmark& landmark, const SE3& cam_from_to) const {
     const Eigen::Vector3d point = to_from_from_ * landmark.position;
     const Eigen::Vector3d in_cam = cam_from_to * point;
@@ -52,15 +53,16 @@ class Projector {
     const Eigen::Vector3d ray = to_from_from_.rotation * (landmark.position - cam_from_from.center());
     const Eigen::Vector3d ray_here = point - cam_from_to.center();
     if (!(ray.dot(ray_here) >= options_.min_view_cosine * ray.norm() * ray_here.norm())) return std::nullopt;
-    const double size_ratio = to_from_from_.scale * ray.norm() * to_.camera.fx /
-                              (ray_here.norm() * from_.submap->camera.fx);  // in pixels, here over there
+    // The landmark's size in pixels in `to`, over its size in `from`.
+    const double size_ratio =
+        to_from_from_.scale * ray.norm() * to_.camera.fx / (ray_here.norm() * from_.submap->camera.fx);
     const double octave = from_.octave(seen) * octaves_per_octave_ + std::log(size_ratio) / log_factor_;
     if (octave < -options_.octave_tolerance || octave > to_.pyramid.levels - 1 + options_.octave_tolerance)
       return std::nullopt;
     return Prediction{pixel.cast<float>(), octave};
   }
 
-  // Calls visit(keypoint, Hamming distance, the sighting that it is close to) for the keypoints that may be it.
+  // Calls visit(keypoint, Hamming distance, most similar sighting) for each keypoint that may observe the landmark.
   template <class Visit>
   void search(const PlaceLandmark& landmark, const Prediction& at, const PlaceView& view, double radius_px,
               Visit visit) const {
@@ -88,15 +90,15 @@ class Projector {
   const Submap& to_;
   const Sim3& to_from_from_;
   const PlaceMatchOptions& options_;
-  const double log_factor_;          // of the pyramid there
-  const double octaves_per_octave_;  // there, of the one that the landmarks were seen in
+  const double log_factor_;          // log scale factor of the pyramid of `to`
+  const double octaves_per_octave_;  // levels of the pyramid of `to` per level of the pyramid of `from`
 };
 
 }  // namespace
 
 void PlaceProposals::compare(size_t view_a, size_t view_b) {
   const PlaceView &from = a_.views[view_a], &to = b_.views[view_b];
-  if (from.known.empty() || to.known.empty()) return;  // an empty selection would mean all
+  if (from.known.empty() || to.known.empty()) return;  // match_features() would take an empty selection for all
   for (const Match& m : match_features(*from.keyframe->features, from.known, *to.keyframe->features, to.known,
                                        {options_.max_distance, options_.max_ratio, true})) {
     const PlaceMatch match{from.landmark_index[m.first],

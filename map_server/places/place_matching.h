@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Landmarks of two places that may be the same point: by descriptor alone, or near where a similarity puts them.
+// Finds landmarks of two places that may be the same point: by descriptor alone, or near the pixel to which a
+// similarity projects them.
 #pragma once
 
 #include <map>
@@ -12,28 +13,29 @@
 namespace rumi::map_server {
 
 struct PlaceMatchOptions {
-  int max_distance = 60;          // Hamming, of 256 bits
-  double max_ratio = 0.8;         // best over second best, where nothing but the descriptor decides
-  double octave_tolerance = 1.6;  // octaves between where a landmark should appear and where it does
-  double min_view_cosine = 0.5;   // between the rays of the two places to a landmark
+  int max_distance = 60;          // largest Hamming distance, of 256 bits
+  double max_ratio = 0.8;         // best over second best distance, for matching by descriptor alone
+  double octave_tolerance = 1.6;  // largest difference between expected and detected octave
+  double min_view_cosine = 0.5;   // least cosine of the angle between the rays to a landmark from the two places
 };
 
-// Indices into PlaceNeighbourhood::landmarks, and the two keypoints whose descriptors matched.
+// A match: the indices of two landmarks in PlaceNeighbourhood::landmarks, and the keypoints whose descriptors matched.
 struct PlaceMatch {
   int a = kNone, b = kNone;
   PlaceSighting in_a, in_b;
-  int distance = 0;  // Hamming
+  int distance = 0;  // Hamming distance of the descriptors
 };
 
-// Landmark pairs by descriptor alone: views of a against views of b (match_features), which vote for them.
+// Finds pairs of landmarks by descriptor alone: views of a are compared with views of b, and each match is a vote for a
+// pair.
 class PlaceProposals {
  public:
-  // Keeps references.
+  // Keeps references to its arguments.
   PlaceProposals(const PlaceNeighbourhood& a, const PlaceNeighbourhood& b, const PlaceMatchOptions& options)
       : a_(a), b_(b), options_(options) {}
 
   void compare(size_t view_a, size_t view_b);
-  // Those that most comparisons found come first, each landmark once.
+  // Returns the pairs with most votes first, each landmark once.
   std::vector<PlaceMatch> ranked() const;
 
  private:
@@ -44,15 +46,16 @@ class PlaceProposals {
   const PlaceNeighbourhood& a_;
   const PlaceNeighbourhood& b_;
   const PlaceMatchOptions& options_;
-  std::map<std::pair<int, int>, Votes> votes_;  // by landmarks
+  std::map<std::pair<int, int>, Votes> votes_;  // by the landmarks' indices in a and b
 };
 
-// Landmarks of a projected into the views of b and back, within radius_px at octave 0; each landmark once.
+// Returns matches found by projecting the landmarks of a into the views of b. The match must project back, too, within
+// radius_px (at octave 0). Each landmark occurs at most once.
 std::vector<PlaceMatch> guided_matches(const PlaceNeighbourhood& a, const PlaceNeighbourhood& b, const Sim3& b_from_a,
                                        double radius_px, const PlaceMatchOptions& options);
 
-// How a keyframe that had no part in the similarity bears it out: of the landmarks `from` that should be in view of
-// it, those with a matching keypoint within radius_px.
+// How well a keyframe confirms a similarity that was estimated without it: how many of the landmarks `from` should be
+// in its view, and how many of these have a matching keypoint within radius_px.
 struct Witness {
   int visible = 0;
   int found = 0;

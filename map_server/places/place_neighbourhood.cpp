@@ -30,7 +30,8 @@ void insert_landmarks(const std::vector<PlaceView>& views, std::set<int>* ids) {
       if (id != kNone) ids->insert(id);
 }
 
-// Strongest first, taken in turns: witnesses look at the same things as the views, or they could not witness.
+// Assigns covisible keyframes in turn to views and witnesses, the most covisible first, because a witness must see the
+// same landmarks as the views.
 void choose_keyframes(int keyframe_id, const std::set<int>& forbidden, size_t neighbours, size_t witnesses,
                       PlaceNeighbourhood* place) {
   const Submap& submap = *place->submap;

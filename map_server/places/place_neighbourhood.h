@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A place of a submap: a keyframe, the keyframes that see most of the same landmarks, and those landmarks.
+// A place in a submap: a keyframe, the keyframes that share most landmarks with it, and those landmarks.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@
 
 namespace rumi::map_server {
 
-// A keyframe ready to be searched.
+// A keyframe, prepared for matching.
 struct PlaceView {
   const Keyframe* keyframe = nullptr;
   std::vector<int> known;           // keypoints that observe a landmark of the neighbourhood, ascending
-  std::vector<int> landmark_index;  // per keypoint, into PlaceNeighbourhood::landmarks, or kNone
-  KeypointGrid grid;                // of all keypoints, undistorted
+  std::vector<int> landmark_index;  // by keypoint: index into PlaceNeighbourhood::landmarks, or kNone
+  KeypointGrid grid;                // all keypoints, by undistorted pixel
 };
 
 struct PlaceSighting {
@@ -25,15 +25,15 @@ struct PlaceSighting {
 
 struct PlaceLandmark {
   int id = kNone;
-  Eigen::Vector3d position;              // in the submap; finite
-  std::vector<PlaceSighting> sightings;  // at least one
+  Eigen::Vector3d position;              // position in the submap's frame of reference; finite
+  std::vector<PlaceSighting> sightings;  // at least one sighting
 };
 
 struct PlaceNeighbourhood {
   const Submap* submap = nullptr;
-  std::vector<PlaceView> views;          // the keyframe itself first; what an alignment is made of
-  std::vector<PlaceView> witnesses;      // covisible keyframes kept out of it, to verify it with
-  std::vector<PlaceLandmark> landmarks;  // that the views observe, ascending id
+  std::vector<PlaceView> views;      // views that an alignment uses, the keyframe itself first
+  std::vector<PlaceView> witnesses;  // covisible keyframes that the alignment does not use, so that they can confirm it
+  std::vector<PlaceLandmark> landmarks;  // landmarks that the views observe, by ascending id
 
   const Features& features(int view) const { return *views[view].keyframe->features; }
   Eigen::Vector2d pixel(const PlaceSighting& s) const {
@@ -44,11 +44,11 @@ struct PlaceNeighbourhood {
 
 struct PlacePair {
   PlaceNeighbourhood a, b;
-  std::string doubt;  // empty, or why the two cannot be compared
+  std::string doubt;  // why the two cannot be compared; empty if they can
 };
 
-// Up to `neighbours` views besides the keyframe itself and up to `witnesses` of either place. In one submap the two
-// have nothing in common: neither keyframe nor landmark. What is not finite is left out.
+// Collects up to `neighbours` views besides the keyframe itself, and up to `witnesses` witnesses, for each place. Two
+// places of one submap share no keyframes and no landmarks. Landmarks that are not finite are left out.
 PlacePair gather_places(const Submap& a, int keyframe_a, const Submap& b, int keyframe_b, int neighbours,
                         int witnesses);
 

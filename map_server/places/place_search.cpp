@@ -12,7 +12,7 @@
 namespace rumi::map_server {
 namespace {
 
-// A second alignment comes within seconds or not at all; a few are found in the minute.
+// most unconfirmed links that are kept; older ones go, because a confirmation comes within seconds or not at all
 constexpr size_t kMostUnconfirmed = 1000;
 
 Link make_link(const Place& a, const Place& b, const PlaceAlignment& alignment) {
@@ -42,16 +42,16 @@ LinkEdge make_edge(const Place& a, const Place& b, const Submaps& submaps, const
   return {make_link(a, b, alignment), a.image.utime_us, b.image.utime_us, {joint}, alignment.landmarks};
 }
 
-// Landmarks of the two images, by themselves, that look alike. Some five do by chance.
+// Counts the landmarks of the two images that look alike. Some five do so by chance.
 int alike(const Submap& a, int keyframe_a, const Submap& b, int keyframe_b, const PlaceMatchOptions& o) {
   const Keyframe &x = *a.keyframe(keyframe_a), &y = *b.keyframe(keyframe_b);
   const std::vector<int> in_x = landmark_keypoints(x), in_y = landmark_keypoints(y);
-  if (in_x.empty() || in_y.empty()) return 0;  // an empty selection would mean all
+  if (in_x.empty() || in_y.empty()) return 0;  // match_features() would take an empty selection for all
   return static_cast<int>(
       match_features(*x.features, in_x, *y.features, in_y, {o.max_distance, o.max_ratio, true}).size());
 }
 
-// The same link told from the other side, without its joint and landmarks.
+// Returns the same link with a and b exchanged, without its joint and landmarks.
 LinkEdge turned(const LinkEdge& x) {
   LinkEdge y{.link = x.link, .utime_a_us = x.utime_b_us, .utime_b_us = x.utime_a_us};
   std::swap(y.link.a, y.link.b);
@@ -75,7 +75,7 @@ void PlaceSearch::search(const Submaps& submaps, const Joined& joined, PlaceLink
       if (make_known(*submap, keyframe, links)) fresh.push_back({key, id, submap->image(keyframe)});
   for (const Place& place : fresh) {
     std::vector<KeyframeRef>& same_image = links->searched_for[place.image];
-    // What the image shows has been looked for by its other keyframe, where that tells of this one too.
+    // If a joined keyframe of the same image was searched for already, its result is valid for this one too.
     const bool known = std::any_of(same_image.begin(), same_image.end(), [&](const KeyframeRef& other) {
       return joined(place, {other.submap, other.id, place.image});
     });
@@ -85,7 +85,8 @@ void PlaceSearch::search(const Submaps& submaps, const Joined& joined, PlaceLink
   }
 }
 
-// In a place that is seen for hours front_tracker makes and removes keyframes without end.
+// Forgets keyframes that were removed. Without this the index would grow for ever, because front_tracker makes and
+// removes keyframes all the time while it stays in one place.
 void PlaceSearch::forget_removed(const Submaps& submaps, PlaceLinks* links) {
   const auto is_gone = [&](SubmapKey key, int keyframe) {
     const auto owner = submaps.find(key);
@@ -114,7 +115,7 @@ bool PlaceSearch::search_again(const std::set<SubmapKey>& alone, const Submaps& 
   }
   if (places.empty()) return false;
   forget_removed(submaps, links);
-  // All anew: to take one keyframe out takes as long as there are others that look like it.
+  // Builds the index anew, because removing a keyframe takes time for every keyframe that looks like it.
   index_ = {};
   for (const auto& [key, submap] : submaps)
     for (const auto& [id, keyframe] : submap->keyframes) index_.add(*submap, keyframe);
@@ -124,7 +125,8 @@ bool PlaceSearch::search_again(const std::set<SubmapKey>& alone, const Submaps& 
 
 bool PlaceSearch::is_known(const std::vector<LinkEdge>& found, const Place& a, const Place& b) const {
   const auto near = [&](SubmapKey key, int64_t utime_us, const Place& place) {
-    return key == place.submap && std::abs(utime_us - place.image.utime_us) < o_.once_within_s * 1e6;
+    return key == place.submap &&
+           static_cast<double>(std::abs(utime_us - place.image.utime_us)) < o_.once_within_s * 1e6;
   };
   return std::any_of(found.begin(), found.end(), [&](const LinkEdge& known) {
     return (near(known.link.a, known.utime_a_us, a) && near(known.link.b, known.utime_b_us, b)) ||
@@ -132,7 +134,7 @@ bool PlaceSearch::is_known(const std::vector<LinkEdge>& found, const Place& a, c
   });
 }
 
-// With what it is confirmed by, if it is.
+// Adds the link as found, with the unconfirmed link that agrees with it, if there is one; otherwise as unconfirmed.
 void PlaceSearch::take(LinkEdge edge, double median_depth, const Submaps& submaps, PlaceLinks* links) const {
   std::vector<LinkEdge>& unconfirmed = links->unconfirmed;
   const auto confirms = [&](const LinkEdge& other) { return agree(edge, median_depth, other, submaps); };
@@ -147,11 +149,11 @@ void PlaceSearch::take(LinkEdge edge, double median_depth, const Submaps& submap
   unconfirmed.erase(other);
 }
 
-// `median_depth`: of the landmarks of x, in the unit of its b.
+// True if two links confirm each other. `median_depth`: of the landmarks of x, in the unit of x.b.
 bool PlaceSearch::agree(const LinkEdge& x, double median_depth, const LinkEdge& other, const Submaps& submaps) const {
   const bool same_order = x.link.a == other.link.a && x.link.b == other.link.b;
   if (!same_order && !(x.link.a == other.link.b && x.link.b == other.link.a)) return false;
-  // Of a loop, the ends that are nearer to each other.
+  // If both links are loops of one submap, compares those ends that are nearer to each other in time.
   const bool turn = !same_order || (x.link.a == x.link.b && std::abs(x.utime_a_us - other.utime_a_us) >
                                                                 std::abs(x.utime_a_us - other.utime_b_us));
   const LinkEdge y = turn ? turned(other) : other;
@@ -163,7 +165,7 @@ bool PlaceSearch::agree(const LinkEdge& x, double median_depth, const LinkEdge& 
   if (std::abs(std::log(x.link.b_from_a.scale / y.link.b_from_a.scale)) > o_.confirm_log_scale) return false;
   const double angle = x.link.b_from_a.rotation.angularDistance(y.link.b_from_a.rotation);
   if (angle > o_.confirm_rotation_deg * M_PI / 180) return false;
-  // Compared where the camera was, which may be far from the origin of either submap.
+  // Compares the positions of the camera, which may be far from the origin of both submaps.
   const Submap& a = *submaps.at(x.link.a);
   const auto frame = a.frame(x.utime_a_us);
   if (!frame) return false;
@@ -182,7 +184,7 @@ void PlaceSearch::search(const Place& place, const Submaps& submaps, const Joine
                    static_cast<int64_t>(o_.separation_s * 1e6), exclude);
   for (const PlaceCandidate& candidate : candidates) {
     const Place& other = candidate.place;
-    // Of pairs of places that have nothing in common most end here, at a tenth of the work.
+    // Most pairs of unrelated places are refused here, at a tenth of the cost of an alignment.
     if (alike(submap, place.keyframe, *submaps.at(other.submap), other.keyframe, o_.alignment.matching) < o_.min_alike)
       continue;
     const PlaceAlignment alignment =
@@ -191,7 +193,7 @@ void PlaceSearch::search(const Place& place, const Submaps& submaps, const Joine
       take(make_edge(place, other, submaps, o_, alignment), alignment.median_depth, submaps, links);
       return;
     }
-    // Where nothing agreed there is nothing to tell of.
+    // Does not report links without any inlier.
     if (place.submap != other.submap && alignment.inliers > 0)
       links->refused[std::minmax(place.submap, other.submap)] = make_link(place, other, alignment);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Looks through the submaps for places seen twice: each keyframe once when it is new, and where a submap hangs on
-// nothing once more when more is known of it. What was searched for and found is in PlaceLinks; given those of before,
-// it goes on from there.
+// Searches all submaps for places seen twice. Each keyframe is searched for once when it is new, and again if its
+// submap is still not joined to the map when the submap has changed. PlaceLinks holds what was searched for and found,
+// and each search continues from the PlaceLinks that it is given.
 #pragma once
 
 #include <functional>
@@ -17,37 +17,38 @@ namespace rumi::map_server {
 
 struct PlaceSearchOptions {
   PlaceAlignmentOptions alignment;
-  int candidates = 3;        // of a keyframe, that are compared
-  int min_alike = 8;         // landmarks of the two images that look alike: with fewer they are not aligned
-  double min_apart_s = 5;    // in time, within a submap
-  double separation_s = 1;   // between candidates of one submap
-  double once_within_s = 2;  // of a place that was found, at either end: no need to find it again
-  // A poster that hangs in two rooms can deceive one alignment: it counts when another one, of other keyframes, agrees.
+  int candidates = 3;        // keyframes that are compared with each new one, at most
+  int min_alike = 8;         // least number of similar landmarks in the two images; below it they are not aligned
+  double min_apart_s = 5;    // least time between two keyframes of one submap that are compared
+  double separation_s = 1;   // least time between two candidates of one submap
+  double once_within_s = 2;  // a place is not searched for again if a found link is this near at both ends, in time
+  // A poster that hangs in two rooms can deceive one alignment. So an alignment counts only if another one, of other
+  // keyframes, agrees with it within these bounds.
   double confirm_within_s = 5;
   double confirm_rotation_deg = 5;
   double confirm_log_scale = 0.15;
-  double confirm_translation = 0.15;  // of the median depth
-  // Of a joint, at least: what submaps are bent by where they were aligned is not in the sigmas of the alignment.
+  double confirm_translation = 0.15;  // largest difference of the positions, as a share of the median depth
+  // Least standard deviations of a joint, because those of an alignment ignore how much the submaps are bent there.
   double sigma_rotation_deg = 0.5;
-  double sigma_translation = 0.02;  // of the median depth
+  double sigma_translation = 0.02;  // as a share of the median depth
   double sigma_log_scale = 0.02;
 };
 
 class PlaceSearch {
  public:
-  // The map knows already how these two lie to each other.
+  // Returns true if the map already knows how two places lie relative to each other.
   using Joined = std::function<bool(const Place&, const Place&)>;
 
   explicit PlaceSearch(const PlaceSearchOptions& options) : o_(options) {}
 
-  // Searches for the keyframes that are not known yet, once for those of one image that are joined.
+  // Searches for each keyframe that is not known yet. If joined keyframes show the same image, searches for only one.
   void search(const Submaps& submaps, const Joined& joined, PlaceLinks* links);
 
-  // Its keyframes may be found and are not searched for.
+  // Adds a submap whose keyframes may be found, but are not searched for.
   void add(const Submap& submap, PlaceLinks* links);
 
-  // Searches for all keyframes of these submaps once more, with the landmarks that all submaps have by now, unless that
-  // was done and they are as they were then. False if nothing was searched for.
+  // Searches once more for all keyframes of these submaps that changed since the last time, with the landmarks that all
+  // submaps have now. Returns false if none has changed.
   bool search_again(const std::set<SubmapKey>& alone, const Submaps& submaps, const Joined& joined, PlaceLinks* links);
 
  private:
@@ -59,7 +60,7 @@ class PlaceSearch {
   bool agree(const LinkEdge& x, double median_depth, const LinkEdge& y, const Submaps& submaps) const;
 
   PlaceSearchOptions o_;
-  PlaceIndex index_;  // of what the links know: what it lacks is added, what it has too much is taken out
+  PlaceIndex index_;  // index of the keyframes in PlaceLinks; updated before each search
 };
 
 }  // namespace rumi::map_server

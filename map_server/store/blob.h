@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Numbers <-> the little-endian blobs of map.db.
+// Converts between numbers and the little-endian blobs of map.db.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ std::span<const uint8_t> as_blob(const std::array<T, N>& values) {
   return {reinterpret_cast<const uint8_t*>(values.data()), sizeof(values)};
 }
 
-// Throws std::runtime_error if the size does not fit.
+// Returns the values in the blob. Throws std::runtime_error if its size is no multiple of the size of T.
 template <class T>
 std::vector<T> vector_from_blob(std::span<const uint8_t> blob) {
   if (blob.size() % sizeof(T) != 0) throw std::runtime_error("a blob has the wrong size");
@@ -52,7 +52,7 @@ inline PoseNumbers pose_numbers(const SE3& pose) {
   return {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()};
 }
 
-// The members are set one by one: the constructor would normalize the quaternion, and with it change its last bits.
+// Sets the members one by one: the constructor would normalize the quaternion, and so change its last bits.
 inline SE3 pose_from_numbers(const PoseNumbers& n) {
   SE3 pose;
   pose.rotation = Eigen::Quaterniond(n[0], n[1], n[2], n[3]);

@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <stdexcept>
 #include <utility>
 
 #include "base/files/file_access.h"
@@ -18,27 +17,32 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// For a person who has named no folder: it is the one in which the program was started.
-std::string why_not_made(const std::string& lock, int reason) {
+// Returns the error for a lock file that cannot be made. It names the folder, because a user who gave no path may not
+// know in which folder the program runs.
+Error why_not_made(const std::string& lock, int reason) {
   const fs::path folder = fs::absolute(lock).parent_path();
   const char* remedy = reason == ENOENT ? "make that folder, or name another file with --set map_server.database=FILE"
                                         : "name another file with --set map_server.database=FILE, or start in a folder "
                                           "that you may write";
-  return fmt::format("cannot create {} in the folder {}: {}{}; {}", fs::path(lock).filename().string(), folder.string(),
-                     std::strerror(reason), reason == ENOENT ? "" : note_on_owner(folder), remedy);
+  return {.what = fmt::format("cannot create {} in the folder {}: {}{}", fs::path(lock).filename().string(),
+                              folder.string(), std::strerror(reason), reason == ENOENT ? "" : note_on_owner(folder)),
+          .remedy = remedy};
 }
 
 }  // namespace
 
-DatabaseLock::DatabaseLock(const std::string& database) : file_(file_of(database)), lock_(FileLock::take(file_)) {
-  if (lock_) {
-    lock_->sign();
-    return;
+Result<DatabaseLock> DatabaseLock::take(const std::string& database) {
+  DatabaseLock lock;
+  lock.file_ = file_of(database);
+  lock.lock_ = FileLock::take(lock.file_);
+  if (lock.lock_) {
+    lock.lock_->sign();
+    return lock;
   }
-  if (const int reason = errno; reason != EWOULDBLOCK) throw std::runtime_error(why_not_made(file_, reason));
-  throw std::runtime_error(fmt::format(
-      "another map_server (pid {}) has the map open: it holds {}; stop that one or give this one another database",
-      holder_of_lock(file_).value_or("unknown"), file_));
+  if (const int reason = errno; reason != EWOULDBLOCK) return why_not_made(lock.file_, reason);
+  return Error{.what = fmt::format("another map_server (pid {}) has the map open: it holds {}",
+                                   holder_of_lock(lock.file_).value_or("unknown"), lock.file_),
+               .remedy = "stop that one or give this one another database"};
 }
 
 DatabaseLock::~DatabaseLock() {

@@ -26,7 +26,7 @@ std::string of_libav(unsigned version) {
   return fmt::format("{}.{}.{}", AV_VERSION_MAJOR(version), AV_VERSION_MINOR(version), AV_VERSION_MICRO(version));
 }
 
-// Those that cannot be asked are named as they were when this was built.
+// A library that cannot be asked for its version is listed with the version that Rumi was built with.
 std::string libraries() {
   return fmt::format(
       "Cairo {}, Ceres {}, Eigen {}.{}.{}, LCM {}.{}.{}, libavcodec {}, libavformat {}, libmicrohttpd {}, OpenCV {}, "

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rumi --version` says, for reports of what went wrong.
+// The text of `rumi --version`, which a problem report needs.
 #pragma once
 
 #include <string>
 
 namespace rumi::tool {
 
-// "rumi 0.2.0", the commit and the libraries that are loaded, a line each.
+// Returns "rumi 0.2.0", the commit, and the libraries that are loaded, one line each.
 std::string about();
 
 }  // namespace rumi::tool

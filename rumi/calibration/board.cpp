@@ -14,7 +14,8 @@ namespace {
 
 constexpr int kMinSquares = 3, kMaxSquares = 50;
 constexpr double kMinSquareMm = 1, kMaxSquareMm = 1000;
-constexpr double kMinMarkerPart = 0.3, kMaxMarkerPart = 0.9;  // of the square: a white rim must remain
+// The side of a marker / the side of its square. A white rim must remain around the marker.
+constexpr double kMinMarkerPart = 0.3, kMaxMarkerPart = 0.9;
 
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> parts(1);
@@ -27,7 +28,7 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
-bool within(double value, double min, double max) { return value >= min && value <= max; }  // false for NaN
+bool within(double value, double min, double max) { return value >= min && value <= max; }  // false if the value is NaN
 
 bool is_black(int column, int row) { return (column + row) % 2 == 0; }
 
@@ -44,10 +45,11 @@ std::string dictionary_names() {
   return names;
 }
 
-// The black bits of marker `id`, in its upper left corner's frame; neighbours in a row are one rectangle.
+// Appends the black cells of marker `id`, whose upper left corner is at `origin`. Adjacent cells of a row become one
+// rectangle.
 void add_marker(const MarkerDictionary& dictionary, int id, cv::Point2d origin, double marker_mm,
                 std::vector<cv::Rect2d>* black) {
-  const int cells = dictionary->markerSize + 2;  // with the black border
+  const int cells = dictionary->markerSize + 2;  // per side, with the black border
   const cv::Mat picture = marker_picture(dictionary, id, cells);
   const double cell_mm = marker_mm / cells;
   for (int y = 0; y < cells; ++y) {
@@ -69,25 +71,25 @@ std::string Board::to_string() const {
   return text;
 }
 
-std::string Board::check() const {
+Result<> Board::check() const {
   if (columns < kMinSquares || columns > kMaxSquares)
-    return fmt::format("columns is {}: must be {} to {} squares", columns, kMinSquares, kMaxSquares);
+    return Error{fmt::format("columns is {}: must be {} to {} squares", columns, kMinSquares, kMaxSquares)};
   if (rows < kMinSquares || rows > kMaxSquares)
-    return fmt::format("rows is {}: must be {} to {} squares", rows, kMinSquares, kMaxSquares);
+    return Error{fmt::format("rows is {}: must be {} to {} squares", rows, kMinSquares, kMaxSquares)};
   if (!within(square_mm, kMinSquareMm, kMaxSquareMm))
-    return fmt::format("the square is {} mm: must be {} to {}", square_mm, kMinSquareMm, kMaxSquareMm);
+    return Error{fmt::format("the square is {} mm: must be {} to {}", square_mm, kMinSquareMm, kMaxSquareMm)};
   if (kind == Kind::kChessboard) return {};
   // Versions of OpenCV differ in whether such a board begins with a black or a white square.
-  if (rows % 2 == 0) return fmt::format("rows is {}: a ChArUco board must have an odd number of rows", rows);
+  if (rows % 2 == 0) return Error{fmt::format("rows is {}: a ChArUco board must have an odd number of rows", rows)};
   if (!within(marker_mm, kMinMarkerPart * square_mm, kMaxMarkerPart * square_mm))
-    return fmt::format("the marker is {} mm: must be {:.3g} to {:.3g} for a square of {} mm", marker_mm,
-                       kMinMarkerPart * square_mm, kMaxMarkerPart * square_mm, square_mm);
+    return Error{fmt::format("the marker is {} mm: must be {:.3g} to {:.3g} for a square of {} mm", marker_mm,
+                             kMinMarkerPart * square_mm, kMaxMarkerPart * square_mm, square_mm)};
   const BoardDictionary* known = find_dictionary(dictionary);
-  if (!known) return fmt::format("the dictionary is '{}': must be one of {}", dictionary, dictionary_names());
+  if (!known) return Error{fmt::format("the dictionary is '{}': must be one of {}", dictionary, dictionary_names())};
   const int markers = columns * rows / 2;
   const int available = marker_dictionary(known->number)->bytesList.rows;
   if (markers > available)
-    return fmt::format("the board needs {} markers: dictionary {} has {}", markers, dictionary, available);
+    return Error{fmt::format("the board needs {} markers: dictionary {} has {}", markers, dictionary, available)};
   return {};
 }
 
@@ -101,7 +103,7 @@ std::vector<cv::Rect2d> Board::black_mm() const {
   MarkerDictionary markers;
   if (kind == Kind::kCharuco) markers = marker_dictionary(dictionary_number(dictionary));
   const double rim_mm = (square_mm - marker_mm) / 2;
-  int id = 0;  // markers are numbered row by row
+  int id = 0;  // number of the next marker; they are numbered row by row
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       const cv::Point2d corner(column * square_mm, row * square_mm);
@@ -114,10 +116,10 @@ std::vector<cv::Rect2d> Board::black_mm() const {
   return black;
 }
 
-std::string parse_board(const std::string& text, Board* board) {
+Result<Board> parse_board(const std::string& text) {
   const auto refuse = [&text](const std::string& why) {
-    return fmt::format("board is '{}': {}; write {}, such as {} or chessboard:9x7:26", text, why, kBoardSyntax,
-                       Board().to_string());
+    return Error{why, fmt::format("board is '{}'", text),
+                 fmt::format("write {}, such as {} or chessboard:9x7:26", kBoardSyntax, Board().to_string())};
   };
   const std::vector<std::string> parts = split(text, ':');
   Board result;
@@ -142,10 +144,8 @@ std::string parse_board(const std::string& text, Board* board) {
     result.marker_mm = *marker;
     if (parts.size() > 4) result.dictionary = parts[4].starts_with("DICT_") ? parts[4].substr(5) : parts[4];
   }
-  const std::string problem = result.check();
-  if (!problem.empty()) return refuse(problem);
-  *board = result;
-  return {};
+  if (const Result<> usable = result.check(); !usable) return refuse(usable.error().text());
+  return result;
 }
 
 const std::vector<BoardDictionary>& board_dictionaries() {

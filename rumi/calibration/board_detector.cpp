@@ -14,14 +14,16 @@
 namespace rumi::tool {
 namespace {
 
-constexpr int kMinCorners = 8;           // of a board that is seen in part
-constexpr int kMinMarkerPairs = 3;       // to say that it is another board
-constexpr size_t kMinMarkers = 4;        // to say that a chessboard has some
-constexpr double kNear = 2.1;            // squares between markers that are compared: neighbours, and one further
-constexpr double kMaxMarkerShift = 0.5;  // squares
+constexpr int kMinCorners = 8;  // corners that must be found of a board that is seen in part, at least
+// Pairs of markers that must contradict the board to show that it is another one, at least.
+constexpr int kMinMarkerPairs = 3;
+// Markers that must be found in a chessboard to show that it is a ChArUco board, at least.
+constexpr size_t kMinMarkers = 4;
+constexpr double kNear = 2.1;  // squares between the markers of a pair, at most: beside or diagonal to each other
+constexpr double kMaxMarkerShift = 0.5;  // squares between the expected and the seen place of a marker, at most
 
 constexpr double kChessboardReach = 0.35;
-constexpr int kMinWindow = 2, kMaxWindow = 11;  // px, half the side of the window for refinement
+constexpr int kMinWindow = 2, kMaxWindow = 11;  // half the side of the window for the refinement of corners, px
 const cv::TermCriteria kUntilConverged(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 40, 0.001);
 
 using Corners = std::vector<cv::Point2f>;
@@ -37,12 +39,12 @@ double intensity(const cv::Mat& grey, const cv::Point2f& at) {
   return (1 - fy) * ((1 - fx) * above[0] + fx * above[1]) + fy * ((1 - fx) * below[0] + fx * below[1]);
 }
 
-// Width of the sharpest edge from black to white across the line from a to b, a side of a square, in its middle:
-// contrast / steepest slope. NaN where it cannot be told.
+// Returns the width in px of the edge between two squares: the line from a to b is their common side, and the
+// brightness is sampled across its middle. The width is contrast / steepest slope. NaN if it cannot be measured.
 double edge_width(const cv::Mat& grey, const cv::Point2f& a, const cv::Point2f& b) {
-  constexpr double kReach = 0.4;  // of the side
-  constexpr double kStep = 0.25;  // px
-  constexpr int kPixel = 4;       // steps
+  constexpr double kReach = 0.4;  // half the length of the profile / length of the side
+  constexpr double kStep = 0.25;  // px between two samples
+  constexpr int kPixel = 4;       // samples per pixel
   const cv::Point2f along = b - a;
   const double side = cv::norm(along);
   const cv::Point2f across(static_cast<float>(-along.y / side), static_cast<float>(along.x / side));
@@ -60,14 +62,15 @@ double edge_width(const cv::Mat& grey, const cv::Point2f& a, const cv::Point2f& 
   return slope > 0 ? (high - low) / slope : std::numeric_limits<double>::quiet_NaN();
 }
 
-// For each corner of the board its place in the view; -1 where it was not seen.
+// Returns for each corner of the board its index in view.corners; -1 if it was not seen.
 std::vector<int> places_of_corners(const Board& board, const BoardView& view) {
   std::vector<int> places(board.corners(), -1);
   for (size_t i = 0; i < view.corners.size(); ++i) places[view.corners[i]] = static_cast<int>(i);
   return places;
 }
 
-// Of the squares around each corner, in pixels, as far as their other corners were seen; else 0.
+// Returns for each corner of the view its distance, in pixels, to the nearest of its neighbours on the board that were
+// seen; 0 if none was.
 std::vector<double> shortest_sides(const Board& board, const BoardView& view) {
   const std::vector<int> index = places_of_corners(board, view);
   std::vector<double> shortest(view.corners.size(), std::numeric_limits<double>::infinity());
@@ -88,7 +91,7 @@ std::vector<double> shortest_sides(const Board& board, const BoardView& view) {
 
 void measure_edges(const cv::Mat& grey, const Board& board, BoardView* view) {
   const std::vector<int> index = places_of_corners(board, *view);
-  std::vector<double> widths[2], sides;  // edges along the rows, along the columns
+  std::vector<double> widths[2], sides;  // widths of edges along the rows, along the columns
   for (int corner = 0; corner < board.corners(); ++corner) {
     const bool last_in_row = (corner + 1) % board.corner_columns() == 0;
     const int next[2] = {last_in_row ? -1 : corner + 1, corner + board.corner_columns()};
@@ -105,9 +108,9 @@ void measure_edges(const cv::Mat& grey, const Board& board, BoardView* view) {
   view->square_px = median_or_zero(sides);
 }
 
-// Corners to a small part of a pixel. `reach`: of the side of a square, within which there is nothing but the four
-// squares. What OpenCV's detectors give is not enough: versions differ in what they call (0, 0), and not all is
-// refined.
+// Refines corners to a small part of a pixel. `reach` is a share of a square's side: within that distance of a corner,
+// only the four squares around it are seen. The corners of OpenCV's detectors are not good enough: versions differ in
+// where (0, 0) is, and some corners are not refined.
 void refine(const cv::Mat& grey, const Board& board, double reach, BoardView* view) {
   const std::vector<double> sides = shortest_sides(board, *view);
   for (size_t i = 0; i < view->pixels.size(); ++i) {
@@ -118,7 +121,7 @@ void refine(const cv::Mat& grey, const Board& board, double reach, BoardView* vi
   }
 }
 
-// True if they lie in at least two rows and two columns: then there is a homography.
+// True if there are enough corners, and they lie in at least two rows and two columns, so that they have a homography.
 bool spread_out(const Board& board, const std::vector<int>& corners) {
   std::set<int> rows, columns;
   for (const int corner : corners) {
@@ -134,7 +137,7 @@ bool spread_out(const Board& board, const std::vector<int>& corners) {
 struct BoardDetector::Markers {
   explicit Markers(const Board& board)
       : dictionary(marker_dictionary(dictionary_number(board.dictionary))),
-        // In squares: only ratios matter.
+        // The unit is a square, because only ratios matter.
         charuco(charuco_board({board.columns, board.rows}, 1, static_cast<float>(board.marker_mm / board.square_mm),
                               dictionary)) {}
 
@@ -150,7 +153,8 @@ struct BoardDetector::Markers {
   CharucoBoard charuco;
 };
 
-// Each marker says where its neighbours must be. A lens bends this little, another board contradicts most of it.
+// True if the markers do not contradict the board. Each marker predicts the places of its neighbours: distortion moves
+// them little, but most predictions are wrong on another board.
 bool BoardDetector::Markers::fits(const std::vector<Corners>& corners, const std::vector<int>& ids) const {
   int right = 0, wrong = 0;
   for (size_t i = 0; i < ids.size(); ++i) {
@@ -186,7 +190,7 @@ BoardDetection BoardDetector::detect(const cv::Mat& grey) const try {
   refine(grey, board_, markers_ ? rim : kChessboardReach, &detection.view);
   measure_edges(grey, board_, &detection.view);
   return detection;
-} catch (const cv::Exception&) {  // of an image that is too small for OpenCV's windows, or a corner at its very edge
+} catch (const cv::Exception&) {  // the image is too small for OpenCV's windows, or a corner is at its very edge
   return {};
 }
 
@@ -204,7 +208,7 @@ std::string BoardDetector::markers_within(const cv::Mat& grey, const BoardView& 
     found = dictionary.name;
   }
   return found;
-} catch (const cv::Exception&) {  // of a board of a few pixels
+} catch (const cv::Exception&) {  // the board is only a few pixels large
   return {};
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Finds a board in an image, by OpenCV (cv::aruco; cv::findChessboardCornersSB).
+// Finds a board in an image, with OpenCV (cv::aruco, cv::findChessboardCornersSB).
 #pragma once
 
 #include <cstdint>
@@ -15,32 +15,32 @@ namespace rumi::tool {
 // A board as one image shows it.
 struct BoardView {
   int64_t utime_us = 0;
-  std::string where;                // the image, for messages
-  std::vector<int> corners;         // numbers, see Board; rising
-  std::vector<cv::Point2f> pixels;  // where they are; (0, 0) is the centre of the upper left pixel
-  double blur_px = 0;               // width of the board's edges from black to white, in the direction that is worse
-  double square_px = 0;             // side of its squares, median
+  std::string where;                // name of the image, for messages
+  std::vector<int> corners;         // numbers of the corners that were seen (see Board), ascending
+  std::vector<cv::Point2f> pixels;  // their places in the image; (0, 0) is the centre of the upper left pixel
+  double blur_px = 0;    // median width of the edges between black and white, px, in the more blurred direction
+  double square_px = 0;  // median side of the squares, px
 };
 
 struct BoardDetection {
   enum class Outcome {
     kFound,
-    kNone,        // nothing of it
-    kTooLittle,   // too few corners to tell where it is
-    kOtherBoard,  // markers of the dictionary, but not in the places where this board has them
+    kNone,        // no part of the board was found
+    kTooLittle,   // too few corners to locate the board
+    kOtherBoard,  // markers of its dictionary, but not where this board has them
   };
   Outcome outcome = Outcome::kNone;
-  BoardView view;  // of kFound
+  BoardView view;  // set if the outcome is kFound
 };
 
 class BoardDetector {
  public:
-  explicit BoardDetector(const Board& board);  // precondition: board.check() is empty
+  explicit BoardDetector(const Board& board);  // precondition: board.check() succeeds
   ~BoardDetector();
 
-  // grey: CV_8UC1. A chessboard is found as a whole or not at all.
+  // Finds the board in an image, which must be CV_8UC1. A chessboard is found as a whole or not at all.
   BoardDetection detect(const cv::Mat& grey) const;
-  // The dictionary of the markers that a chessboard which was found has within; empty where it has none.
+  // Returns the dictionary of the markers within a chessboard that was found; empty if there are no markers.
   static std::string markers_within(const cv::Mat& grey, const BoardView& chessboard);
 
  private:
@@ -49,7 +49,7 @@ class BoardDetector {
   BoardDetection detect_charuco(const cv::Mat& grey) const;
 
   Board board_;
-  std::unique_ptr<Markers> markers_;  // of a ChArUco board
+  std::unique_ptr<Markers> markers_;  // only for a ChArUco board
 };
 
 }  // namespace rumi::tool

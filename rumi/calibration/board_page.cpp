@@ -16,8 +16,8 @@ namespace rumi::tool {
 namespace {
 
 constexpr double kMmPerInch = 25.4;
-constexpr double kPointsPerMm = 72 / kMmPerInch;  // the unit of PDF
-constexpr double kMarginMm = 10;                  // what printers leave white, and the letters
+constexpr double kPointsPerMm = 72 / kMmPerInch;  // points are the unit of PDF
+constexpr double kMarginMm = 10;  // around the board, as printers leave an edge white; contains the legend
 constexpr double kLetterMm = 2.6, kLetterFromEdgeMm = 5.5;
 
 using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
@@ -26,14 +26,14 @@ struct Page {
   double width_mm, height_mm;
 };
 
-std::string place_on(const Board& board, const Paper& paper, Page* page) {
+Result<Page> place_on(const Board& board, const Paper& paper) {
   const double across = board.width_mm() + 2 * kMarginMm, down = board.height_mm() + 2 * kMarginMm;
-  *page = across >= down ? Page{paper.long_mm, paper.short_mm} : Page{paper.short_mm, paper.long_mm};
-  if (across <= page->width_mm && down <= page->height_mm) return {};
-  return fmt::format(
+  const Page page = across >= down ? Page{paper.long_mm, paper.short_mm} : Page{paper.short_mm, paper.long_mm};
+  if (across <= page.width_mm && down <= page.height_mm) return page;
+  return Error{fmt::format(
       "the board {} is {:g} x {:g} mm and does not fit on {} ({:g} x {:g} mm with {:g} mm of margin all around): "
       "take smaller or fewer squares, or larger paper (--paper)",
-      board.to_string(), board.width_mm(), board.height_mm(), paper.name, paper.long_mm, paper.short_mm, kMarginMm);
+      board.to_string(), board.width_mm(), board.height_mm(), paper.name, paper.long_mm, paper.short_mm, kMarginMm)};
 }
 
 std::string legend(const Board& board) {
@@ -42,7 +42,7 @@ std::string legend(const Board& board) {
                      board.height_mm());
 }
 
-// units_per_mm: of the surface. White paper, black board in its middle.
+// Draws white paper with the black board in its middle and the legend below. units_per_mm: units of the surface.
 void draw_page(cairo_surface_t* surface, double units_per_mm, const Board& board, const Page& page) {
   const std::unique_ptr<cairo_t, decltype(&cairo_destroy)> context(cairo_create(surface), cairo_destroy);
   cairo_t* c = context.get();
@@ -51,10 +51,10 @@ void draw_page(cairo_surface_t* surface, double units_per_mm, const Board& board
   cairo_paint(c);
   cairo_set_source_rgb(c, 0, 0, 0);
   const double left = (page.width_mm - board.width_mm()) / 2, top = (page.height_mm - board.height_mm()) / 2;
-  // One path: rectangles that touch must not have a hairline between them.
+  // All rectangles are one path: otherwise a hairline could appear between two that touch.
   for (const cv::Rect2d& r : board.black_mm()) cairo_rectangle(c, left + r.x, top + r.y, r.width, r.height);
   cairo_fill(c);
-  // Cairo's own letters, which need no fonts to be installed.
+  // This font is built into Cairo, so no fonts need to be installed.
   cairo_select_font_face(c, "@cairo:", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(c, kLetterMm);
   cairo_set_source_rgb(c, 0.35, 0.35, 0.35);
@@ -77,19 +77,19 @@ std::string pdf(const Board& board, const Page& page) {
   const Surface surface(
       cairo_pdf_surface_create_for_stream(append, &bytes, page.width_mm * kPointsPerMm, page.height_mm * kPointsPerMm),
       cairo_surface_destroy);
-  cairo_pdf_surface_restrict_to_version(surface.get(), CAIRO_PDF_VERSION_1_4);  // which every printer reads
+  cairo_pdf_surface_restrict_to_version(surface.get(), CAIRO_PDF_VERSION_1_4);  // a version that every printer can read
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, board.to_string().c_str());
   draw_page(surface.get(), kPointsPerMm, board, page);
   cairo_surface_finish(surface.get());
   return bytes;
 }
 
-// Empty if libpng fails. pixels: rows of `stride` bytes, one grey byte per pixel.
+// Returns a PNG file; empty if libpng fails. pixels: rows of `stride` bytes, one grey byte per pixel.
 std::string encode_png(const unsigned char* pixels, int width, int height, int stride, double dpi) {
   std::string bytes;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
   png_infop info = png_create_info_struct(png);
-  if (setjmp(png_jmpbuf(png))) {  // how libpng reports errors
+  if (setjmp(png_jmpbuf(png))) {  // libpng reports errors by longjmp() to this place
     png_destroy_write_struct(&png, &info);
     return {};
   }
@@ -132,15 +132,14 @@ const std::vector<Paper>& papers() {
   return kAll;
 }
 
-std::string write_board_page(const Board& board, const Paper& paper, double png_dpi, const std::string& file) {
+Result<> write_board_page(const Board& board, const Paper& paper, double png_dpi, const std::string& file) {
   const std::string ending = std::filesystem::path(file).extension().string();
   if (ending != ".pdf" && ending != ".png")
-    return fmt::format("{}: its name must end in .pdf or .png, which tells what is written", file);
-  Page page{};
-  std::string problem = place_on(board, paper, &page);
-  if (!problem.empty()) return problem;
-  const std::string bytes = ending == ".pdf" ? pdf(board, page) : png(board, page, png_dpi);
-  if (bytes.empty()) return file + ": the picture could not be made";
+    return Error{"its name must end in .pdf or .png, which tells what is written", file};
+  const Result<Page> page = place_on(board, paper);
+  if (!page) return page.error();
+  const std::string bytes = ending == ".pdf" ? pdf(board, *page) : png(board, *page, png_dpi);
+  if (bytes.empty()) return Error{"the picture could not be made", file};
   WholeFile out(file);
   out.write(bytes);
   return out.commit();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A board on paper, in its exact size, with what it is in small letters below it.
+// Writes a board on paper in its exact size, with its description in small letters below.
 #pragma once
 
 #include <string>
@@ -13,11 +13,12 @@ struct Paper {
   const char* name;
   double short_mm, long_mm;
 };
-// a4, a3, letter.
+// Returns a4, a3 and letter.
 const std::vector<Paper>& papers();
 
-// Writes FILE.pdf or FILE.png (with its resolution in pHYs), at once. The paper is turned as fits. Returns what is
-// wrong, such as a board that is too large for the paper, or an empty string. Precondition: board.check() is empty.
-std::string write_board_page(const Board& board, const Paper& paper, double png_dpi, const std::string& file);
+// Writes the board to `file`, whose name must end in .pdf or .png (with the resolution in pHYs). The file is complete
+// or absent. The paper is turned so that the board fits. An Error if the board is too large for the paper, or if the
+// file cannot be written. Precondition: board.check() succeeds.
+Result<> write_board_page(const Board& board, const Paper& paper, double png_dpi, const std::string& file);
 
 }  // namespace rumi::tool

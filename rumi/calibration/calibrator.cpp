@@ -32,8 +32,8 @@ std::vector<CornerPairs> correspondences(const Board& board, const std::vector<B
   return out;
 }
 
-// At most `count` of the views: the first, then always the one that differs most from those chosen. What is not chosen
-// goes to *rest.
+// Returns at most `count` of the views: the first, then again and again the one that differs most from those chosen.
+// Appends the others to *rest.
 std::vector<BoardView> most_different(const std::vector<BoardView>& views, size_t count, const Board& board,
                                       cv::Size image, std::vector<BoardView>* rest) {
   std::vector<ViewShape> shapes;
@@ -53,19 +53,19 @@ std::vector<BoardView> most_different(const std::vector<BoardView>& views, size_
   return chosen;
 }
 
-// Boards that are parallel to one another fit a camera of any focal length, at another distance (Zhang, section 4);
-// what the solution says of its own uncertainty does not show it. Returns what is wrong, or an empty string.
-std::string check_tilts(const std::vector<Eigen::Vector3d>& normals, const CalibratorOptions& options) {
+// If all boards are parallel to each other, any focal length fits, with another distance of the boards (Zhang, section
+// 4), and the standard deviations of the solution do not show this. An Error if too few boards are tilted.
+Result<> check_tilts(const std::vector<Eigen::Vector3d>& normals, const CalibratorOptions& options) {
   Eigen::Vector3d mean(0, 0, 0);
   for (const Eigen::Vector3d& normal : normals) mean += normal;
   const double least = std::cos(options.min_tilt_deg * M_PI / 180) * mean.norm();
   const auto tilted =
       std::count_if(normals.begin(), normals.end(), [&](const Eigen::Vector3d& n) { return n.dot(mean) <= least; });
   if (tilted >= options.min_tilted_views) return {};
-  return fmt::format(
+  return Error{fmt::format(
       "in {} of {} views the board is tilted by {} degrees or more against the others: it must be in at least {}, or "
       "the focal length cannot be told from the distance; tilt it by 30 to 45 degrees, to the left, right, up and down",
-      tilted, normals.size(), options.min_tilt_deg, options.min_tilted_views);
+      tilted, normals.size(), options.min_tilt_deg, options.min_tilted_views)};
 }
 
 LensSolution solve(const std::vector<BoardView>& views, const Board& board, cv::Size image, Camera::Model model) {
@@ -73,15 +73,14 @@ LensSolution solve(const std::vector<BoardView>& views, const Board& board, cv::
   return model == Camera::Model::kPinhole ? solve_pinhole(data, image) : solve_fisheye(data, image);
 }
 
-// Takes views out that do not fit; true if there were any.
+// Removes views that do not fit, and adds them to *outliers. True if it removed any.
 bool remove_outliers(const LensSolution& solution, const CalibratorOptions& options, std::vector<BoardView>* views,
                      std::vector<std::string>* outliers) {
   std::vector<double> errors = solution.view_rms_px;
   const double middle = median(&errors);
   for (double& error : errors) error = std::abs(error - middle);
-  constexpr double kStddevFromMad = 1.4826;
   const double limit =
-      std::max(middle + options.outlier_deviations * kStddevFromMad * median(&errors), options.outlier_factor * middle);
+      std::max(middle + options.outlier_deviations * kSigmaFromMad * median(&errors), options.outlier_factor * middle);
   std::vector<BoardView> kept;
   for (size_t i = 0; i < views->size(); ++i) {
     if (solution.view_rms_px[i] <= limit)
@@ -111,9 +110,10 @@ void check_with(const std::vector<BoardView>& spare, const Board& board, size_t 
   if (corners > 0) calibration->check_rms_px = std::sqrt(sum / static_cast<double>(corners));
 }
 
-// Far from all corners that were seen, a polynomial may turn back: then different rays have the same pixel.
+// Far from all corners that were seen, the distortion polynomial may turn back, so that different rays have the same
+// pixel. False if that happens in a corner of the image.
 bool holds_in_corners(const Camera& camera) {
-  constexpr double kMaxError = 0.5;  // px
+  constexpr double kMaxError = 0.5;  // px; largest error of a pixel that is unprojected and projected again
   for (const double x : {0.0, camera.width - 1.0}) {
     for (const double y : {0.0, camera.height - 1.0}) {
       const Eigen::Vector2d pixel(x, y);
@@ -139,7 +139,7 @@ std::vector<std::string> find_doubts(const Calibration& calibration, const Calib
     doubts.push_back(fmt::format("{} is uncertain by {:.1f} %: more views with the board tilted are needed", p.name,
                                  100 * p.stddev / p.value));
   }
-  // A fisheye may see more than a plane can show; beyond that its unproject() is not defined.
+  // A fisheye lens may see 180 degrees and more. It is not tested, because unproject() is not defined for such pixels.
   if (camera.model == Camera::Model::kPinhole && !holds_in_corners(camera))
     doubts.push_back(
         "the distortion turns back within the image: show the board in the image's corners, or take --model fisheye");
@@ -162,36 +162,30 @@ void set_parameters(const LensSolution& solution, Calibration* calibration) {
 
 }  // namespace
 
-Calibration calibrate(const Board& board, const std::vector<BoardView>& taken, const std::vector<BoardView>& spare,
-                      cv::Size image, Camera::Model model, const CalibratorOptions& options) {
+Result<Calibration> calibrate(const Board& board, const std::vector<BoardView>& taken,
+                              const std::vector<BoardView>& spare, cv::Size image, Camera::Model model,
+                              const CalibratorOptions& options) try {
   Calibration calibration;
   std::vector<BoardView> rest = spare;
   std::vector<BoardView> views = most_different(taken, options.max_views, board, image, &rest);
-  if (views.size() < options.min_views) {
-    calibration.error =
-        fmt::format("{} different views of the board are too few: at least {} are needed, 20 to 50 are good",
-                    views.size(), options.min_views);
-    return calibration;
-  }
-  try {
-    LensSolution solution = solve(views, board, image, model);
-    if (remove_outliers(solution, options, &views, &calibration.outliers)) solution = solve(views, board, image, model);
-    set_parameters(solution, &calibration);
-    calibration.rms_px = solution.rms_px;
-    calibration.error = check_tilts(solution.normals, options);
-  } catch (const cv::Exception& e) {
-    calibration.error = fmt::format(
-        "no {} camera fits these views ({}): is it the right model (--model), is it the board that was held, and was "
-        "it "
-        "tilted to all sides?",
-        model == Camera::Model::kPinhole ? "pinhole" : "fisheye", e.err);
-  }
-  if (!calibration.ok()) return calibration;
+  if (views.size() < options.min_views)
+    return Error{fmt::format("{} different views of the board are too few: at least {} are needed, 20 to 50 are good",
+                             views.size(), options.min_views)};
+  LensSolution solution = solve(views, board, image, model);
+  if (remove_outliers(solution, options, &views, &calibration.outliers)) solution = solve(views, board, image, model);
+  set_parameters(solution, &calibration);
+  calibration.rms_px = solution.rms_px;
+  if (const Result<> tilted = check_tilts(solution.normals, options); !tilted) return tilted.error();
   calibration.views = views.size();
   for (const BoardView& view : views) calibration.corners += view.corners.size();
   check_with(rest, board, options.max_check_views, &calibration);
   calibration.doubts = find_doubts(calibration, options);
   return calibration;
+} catch (const cv::Exception& e) {
+  return Error{fmt::format(
+      "no {} camera fits these views ({}): is it the right model (--model), is it the board that was held, and was it "
+      "tilted to all sides?",
+      model == Camera::Model::kPinhole ? "pinhole" : "fisheye", e.err)};
 }
 
 }  // namespace rumi::tool

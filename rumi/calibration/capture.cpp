@@ -8,26 +8,27 @@
 
 namespace rumi::tool {
 
-std::string collect_from_recording(const std::string& input, const std::string& log_channel, int every,
-                                   const std::function<bool()>& go_on, ViewCollector* collector) {
+Result<> collect_from_recording(const std::string& input, const std::string& log_channel, int every,
+                                const std::function<bool()>& go_on, ViewCollector* collector) {
   if (camera_driver::is_camera(input))
-    return fmt::format(
-        "{}: is a camera: start `rumi camera_driver '{}'` in another terminal, and `rumi calibrate` without SOURCE",
-        input, input);
+    return Error{
+        fmt::format(
+            "is a camera: start `rumi camera_driver '{}'` in another terminal, and `rumi calibrate` without SOURCE",
+            input),
+        input};
   camera_driver::CameraOptions options;
   options.log_channel = log_channel;
-  options.rate_hz = 1;  // of what has no times; they are not used
+  options.rate_hz = 1;  // makes up the times of images that have none; they are not used
   const OpenedReader opened = camera_driver::open_frames(input, options);
-  if (!opened.error.empty()) return opened.error;
-  FrameReader& reader = *opened.reader;
+  if (!opened) return opened.error();
+  FrameReader& reader = **opened;
   for (size_t frame = 0; frame < reader.utimes().size(); frame += static_cast<size_t>(every)) {
-    std::string error;
-    std::optional<image_t> image = reader.load(frame, /*colour=*/false, &error);
+    Result<image_t> image = reader.load(frame, /*colour=*/false);
     if (!image) {
-      collector->add_unreadable(error);
+      collector->add_unreadable(image.error_text());
     } else {
       image->utime = reader.utimes()[frame];
-      if (!collector->add(*image, reader.where(frame))) return collector->problem();
+      if (!collector->add(*image, reader.where(frame))) return Error{collector->problem()};
     }
     if (!go_on()) break;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the images of a calibration come from.
+// Collects views for a calibration from a recording or from the bus.
 #pragma once
 
 #include <functional>
@@ -10,13 +10,14 @@
 
 namespace rumi::tool {
 
-// All images of a recording (whatever camera_driver reads; no calibration is needed), every Nth if `every` is more than
-// 1. `go_on` is asked after each image. Returns what is wrong, or an empty string.
-std::string collect_from_recording(const std::string& input, const std::string& log_channel, int every,
-                                   const std::function<bool()>& go_on, ViewCollector* collector);
+// Adds the images of a recording (any that camera_driver reads; it needs no calibration): every one, or every Nth if
+// `every` is more than 1. Asks `go_on` after each image, and ends if it returns false. An Error if the recording cannot
+// be read or an image does not fit the others.
+Result<> collect_from_recording(const std::string& input, const std::string& log_channel, int every,
+                                const std::function<bool()>& go_on, ViewCollector* collector);
 
-// The images on channels::kCamera from now on, as the bus is dispatched; what comes while one is looked at is dropped
-// but for the latest. The collector must outlive the bus.
+// Adds the images on channels::kCamera whenever the bus is dispatched. Of the images that arrive while one is
+// processed, only the latest is kept. The collector must outlive the bus.
 void collect_from_bus(Bus& bus, ViewCollector* collector);
 
 }  // namespace rumi::tool

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDegrees = 180 / M_PI;
 
-// Tilt from the homography at the middle of the corners: its derivative maps a circle to an ellipse.
+// Sets the tilt from the homography at `middle`, where its derivative maps a circle to an ellipse.
 void set_tilt(const cv::Matx33d& h, const cv::Point2d& middle, ViewShape* shape) {
   const cv::Vec3d p = h * cv::Vec3d(middle.x, middle.y, 1);
   const double u = p[0] / p[2], v = p[1] / p[2];
@@ -25,7 +25,7 @@ void set_tilt(const cv::Matx33d& h, const cv::Point2d& middle, ViewShape* shape)
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> ellipse(image_from_board * image_from_board.transpose());
   const Eigen::Vector2d axes = ellipse.eigenvalues().cwiseMax(0).cwiseSqrt();
   const double tilt = kDegrees * std::acos(std::min(1.0, axes[0] / axes[1]));
-  Eigen::Vector2d direction = ellipse.eigenvectors().col(0);  // in which it is foreshortened
+  Eigen::Vector2d direction = ellipse.eigenvectors().col(0);  // in which the board is foreshortened
   const double recedes = Eigen::Vector2d(h(2, 0), h(2, 1)).dot(image_from_board.inverse() * direction) * p[2];
   if (recedes < 0) direction = -direction;
   shape->tilt_x = tilt * direction.x();
@@ -37,7 +37,7 @@ void set_tilt(const cv::Matx33d& h, const cv::Point2d& middle, ViewShape* shape)
 double ViewShape::tilt() const { return std::hypot(tilt_x, tilt_y); }
 
 double ViewShape::difference(const ViewShape& other) const {
-  // Equally different: moved by a tenth of the image, 1.4 times nearer, tilted by 15 degrees.
+  // Each of these differences counts 0.1: a shift by a tenth of the image, 1.4 times the size, a tilt by 15 degrees.
   const double nearer = 0.3 * std::log(size / other.size);
   const double tilted = std::hypot(tilt_x - other.tilt_x, tilt_y - other.tilt_y) / 150;
   return std::hypot(std::hypot(x - other.x, y - other.y), std::hypot(nearer, tilted));
@@ -90,7 +90,7 @@ Coverage::Range Coverage::range(double ViewShape::*field) const {
   return {(*low).*field, (*high).*field};
 }
 
-// Which of nine parts of the image has most empty cells.
+// Returns the name of that one of nine parts of the image in which most cells are empty.
 std::string Coverage::emptiest_region() const {
   static constexpr const char* kNames[3][3] = {{"upper left corner", "upper edge", "upper right corner"},
                                                {"left edge", "middle", "right edge"},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How well views of a board cover what a calibration has to learn: the whole image, and the board from many sides.
+// Measures how much of the image the views of a board cover, and from how many sides they show it. A calibration needs
+// both.
 #pragma once
 
 #include <opencv2/core/types.hpp>
@@ -10,28 +11,30 @@
 
 namespace rumi::tool {
 
-// How a board lies in an image, told without knowing the camera.
+// How a board lies in an image, described without knowing the camera.
 struct ViewShape {
-  double x = 0, y = 0;  // the middle of its corners, parts of the image's width and height
-  double size = 0;      // root of the part of the image that its corners enclose
-  // Angle between the board's normal and the line of sight in degrees, from how the board is foreshortened (towards the
-  // edge of a fisheye's image this is too much), times the direction in the image in which the board recedes.
+  double x = 0, y = 0;  // mean of its corners / width and height of the image
+  double size = 0;      // square root of (area that its corners enclose / area of the image)
+  // The angle in degrees between the board's normal and the line of sight, times the direction in the image in which
+  // the board recedes. It is estimated from the foreshortening of the board: too large near the edge of a fisheye's
+  // image.
   double tilt_x = 0, tilt_y = 0;
 
   double tilt() const;
-  // 0 if they look alike, 1 if they have nothing in common.
+  // Returns 0 if they look the same; 0.1 is, for example, a tilt by 15 degrees.
   double difference(const ViewShape& other) const;
 };
 
 ViewShape shape_of(const BoardView& view, const Board& board, cv::Size image);
 
-// What is enough.
+// If all of these are reached, the coverage is enough for a calibration.
 struct CoverageGoal {
   int views = 20;
-  double cells = 0.8;       // part of the image's cells in which corners were seen
-  double tilt_deg = 20;     // tilted so much to the left or right,
-  int tilted_views = 3;     // and up or down, in so many views each
-  double size_ratio = 1.4;  // the nearest view is so much larger than the farthest
+  double cells = 0.8;  // cells of the image in which corners were seen / all cells
+  // At least tilted_views views must be tilted by tilt_deg or more to the left or right, and as many up or down.
+  double tilt_deg = 20;
+  int tilted_views = 3;
+  double size_ratio = 1.4;  // size of the nearest view / size of the farthest
 };
 
 class Coverage {
@@ -44,13 +47,13 @@ class Coverage {
   int views() const { return static_cast<int>(shapes_.size()); }
   const std::vector<ViewShape>& shapes() const { return shapes_; }
   const CoverageGoal& goal() const { return goal_; }
-  int corners(int row, int column) const { return corners_[row][column]; }  // seen in a cell
-  double covered() const;                                                   // part of the cells
-  // What to do next, as told to who holds the board, most important first; empty: it is enough.
+  int corners(int row, int column) const { return corners_[row][column]; }  // number of corners seen in a cell
+  double covered() const;  // share of the cells in which corners were seen
+  // Returns advice to the person who holds the board, most important first; empty if the coverage is enough.
   std::vector<std::string> missing() const;
-  // Number of views and ranges of position, tilt and size, a line each.
+  // Returns the number of views, and the ranges of position, tilt and size, one line each.
   std::vector<std::string> figures() const;
-  // A picture of the cells in letters beside the figures; lines end with '\n'.
+  // Returns a picture of the cells, drawn with letters, beside the figures. Lines end with '\n'.
   std::string to_text() const;
 
  private:

@@ -10,7 +10,7 @@
 namespace rumi::tool {
 namespace {
 
-constexpr double kSignificant = 3;  // standard deviations
+constexpr double kSignificant = 3;  // |k3| / its standard deviation, at least, if k3 is kept
 
 const cv::TermCriteria kUntilConverged(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-9);
 
@@ -35,7 +35,7 @@ Eigen::Vector3d normal_of(const cv::Mat& rotation) {
 }
 
 LensSolution solve_pinhole(const std::vector<CornerPairs>& views, cv::Size image, bool with_k3) {
-  // This function of OpenCV wants floats.
+  // OpenCV's function requires floats.
   std::vector<std::vector<cv::Point3f>> board;
   std::vector<std::vector<cv::Point2f>> pixels;
   for (const CornerPairs& view : views) {
@@ -56,7 +56,7 @@ LensSolution solve_pinhole(const std::vector<CornerPairs>& views, cv::Size image
   return solution;
 }
 
-// Pose of a board by its rays; false if there is none.
+// Computes the pose of a board from the rays of its corners. False if there is none.
 bool find_pose(const Camera& camera, const CornerPairs& view, cv::Vec3d* rotation, cv::Vec3d* translation) {
   std::vector<cv::Point2d> rays;
   for (const cv::Point2d& pixel : view.pixels) {
@@ -70,10 +70,11 @@ bool find_pose(const Camera& camera, const CornerPairs& view, cv::Vec3d* rotatio
   }
 }
 
-// cv::fisheye::calibrate() does not come back from a start that is far off: the focal length of a fisheye without
-// distortion that fits some of the views best.
+// Returns a camera from which cv::fisheye::calibrate() converges, as it does not from a poor start: a fisheye without
+// distortion, with the focal length that fits a few of the views best.
 Camera first_fisheye(const std::vector<CornerPairs>& views, cv::Size image) {
-  constexpr double kNarrowest = 1.5, kWidest = 0.2, kStep = 0.9;  // focal length / width of the image
+  // Focal length / width of the image; kStep: factor between two trials.
+  constexpr double kNarrowest = 1.5, kWidest = 0.2, kStep = 0.9;
   constexpr size_t kViews = 8;
   Camera best, camera;
   camera.model = Camera::Model::kKannalaBrandt;
@@ -94,14 +95,15 @@ Camera first_fisheye(const std::vector<CornerPairs>& views, cv::Size image) {
 }
 
 struct FisheyeView {
-  Eigen::MatrixXd by_lens, by_pose;  // derivatives of the pixels
+  // Derivatives of the pixels by the 8 parameters of the lens, and by the 6 of the pose.
+  Eigen::MatrixXd by_lens, by_pose;
   Eigen::VectorXd residuals;
 };
 
 FisheyeView linearize(const CornerPairs& view, const cv::Matx33d& k, const cv::Mat& distortion, const cv::Mat& rotation,
                       const cv::Mat& translation) {
   std::vector<cv::Point2d> projected;
-  cv::Mat jacobian;  // columns: f 2, c 2, k 4, rotation 3, translation 3, skew
+  cv::Mat jacobian;  // columns: f (2), c (2), k (4), rotation (3), translation (3), skew
   cv::fisheye::projectPoints(view.board_mm, projected, rotation, translation, k, distortion, 0, jacobian);
   FisheyeView out;
   const int rows = jacobian.rows;
@@ -117,7 +119,8 @@ FisheyeView linearize(const CornerPairs& view, const cv::Matx33d& k, const cv::M
   return out;
 }
 
-// Errors and standard deviations, which cv::fisheye does not tell: the poses are eliminated from the normal equations.
+// Computes errors and standard deviations, which cv::fisheye does not return. The poses are eliminated from the normal
+// equations.
 void assess_fisheye(const std::vector<FisheyeView>& views, LensSolution* solution) {
   Eigen::Matrix<double, 8, 8> information = Eigen::Matrix<double, 8, 8>::Zero();
   double sum = 0;
@@ -135,7 +138,7 @@ void assess_fisheye(const std::vector<FisheyeView>& views, LensSolution* solutio
   const Eigen::Matrix<double, 8, 8> covariance = information.inverse() * (sum / std::max(1.0, freedom));
   for (int i = 0; i < 8; ++i) {
     const double variance = covariance(i, i);
-    // An information matrix that cannot be inverted knows nothing.
+    // If the information matrix is singular, it yields no standard deviations.
     solution->stddev.push_back(variance >= 0 ? std::sqrt(variance) : std::numeric_limits<double>::infinity());
   }
 }

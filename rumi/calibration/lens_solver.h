@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Intrinsics and one pose per view that minimize the reprojection error.
+// Estimates the intrinsics and one pose per view so that the reprojection error is least.
 #pragma once
 
 #include <opencv2/core/types.hpp>
@@ -9,7 +9,7 @@
 
 namespace rumi::tool {
 
-// Corners of one view: where they are on the board (z = 0) and in the image.
+// The corners of one view: their places on the board (z = 0) and in the image.
 struct CornerPairs {
   std::vector<cv::Point3d> board_mm;
   std::vector<cv::Point2d> pixels;
@@ -17,19 +17,21 @@ struct CornerPairs {
 
 struct LensSolution {
   Camera camera;
-  // Standard deviations of fx fy cx cy and then k1 k2 p1 p2 k3 or k1 k2 k3 k4, from the residuals; 0: it was fixed.
+  // Standard deviations, from the residuals: fx fy cx cy, then k1 k2 p1 p2 k3 or k1 k2 k3 k4. 0: the parameter was
+  // fixed.
   std::vector<double> stddev;
-  std::vector<double> view_rms_px;       // per corner
-  std::vector<Eigen::Vector3d> normals;  // of the board in each view, in the camera's frame
+  std::vector<double> view_rms_px;       // of each view: RMS per corner
+  std::vector<Eigen::Vector3d> normals;  // normal of the board in each view, in the camera's frame
   double rms_px = 0;
 };
 
-// k3 is left 0 where it is not told from 0 by the data. Throws cv::Exception if there is no solution.
+// Both functions throw cv::Exception if there is no solution. k3 of a pinhole camera stays 0 if the data cannot tell it
+// from 0.
 LensSolution solve_pinhole(const std::vector<CornerPairs>& views, cv::Size image);
 LensSolution solve_fisheye(const std::vector<CornerPairs>& views, cv::Size image);
 
-// Reprojection error of a view with a given camera, its pose being chosen for it: root mean square per corner; negative
-// if there is no pose.
+// Returns the reprojection error (RMS per corner) of a view in a given camera, with the best pose; -1 if there is no
+// pose.
 double view_error_px(const Camera& camera, const CornerPairs& view);
 
 }  // namespace rumi::tool

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Boards with markers as OpenCV has them, one way for OpenCV up to 4.6 (Debian 12) and from 4.7 on, which made values
-// of pointers and functions of members.
+// One interface to OpenCV's boards with markers. From version 4.7 on OpenCV has values instead of pointers and members
+// instead of functions; versions up to 4.6 (Debian 12) are supported, too.
 #pragma once
 
 #include <opencv2/aruco/charuco.hpp>

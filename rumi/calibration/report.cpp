@@ -23,9 +23,9 @@ std::string error_line(const Calibration& calibration) {
   return text;
 }
 
-// When the images were taken, as far as their times tell.
+// Returns the first and the last date of the images, or "at unknown times" if their times are not dates.
 std::string dates(const std::vector<BoardView>& views) {
-  constexpr int64_t kYear2000Us = 946'684'800'000'000;  // earlier: no times of day, but counted from some start
+  constexpr int64_t kYear2000Us = 946'684'800'000'000;  // earlier times are not counted from 1970
   const auto [first, last] = std::minmax_element(
       views.begin(), views.end(), [](const BoardView& a, const BoardView& b) { return a.utime_us < b.utime_us; });
   if (views.empty() || first->utime_us < kYear2000Us) return "at unknown times";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is said of a calibration: to a person, and in the file.
+// A calibration as text for a person, and as a file.
 #pragma once
 
 #include <string>
@@ -9,13 +9,13 @@
 
 namespace rumi::tool {
 
-// Why no calibration can be made where no view was taken; precondition: none was.
+// Says why no view was taken. Precondition: collector.taken() is empty.
 std::string why_no_views(const ViewCollector& collector, const std::string& source);
 
-// Several lines for a person. Precondition: calibration.ok().
+// Returns the parameters, errors and outliers for a person, in several lines.
 std::string describe(const Calibration& calibration);
 
-// Our YAML, with how it was made as comments. Precondition: calibration.ok().
+// Returns our YAML, with comments on how the calibration was made.
 std::string calibration_to_yaml(const Calibration& calibration, const ViewCollector& collector);
 
 }  // namespace rumi::tool

@@ -32,12 +32,12 @@ void ViewCollector::add_unreadable(const std::string& problem) {
 }
 
 bool ViewCollector::add(const image_t& image, const std::string& where) {
-  std::string error;
-  const cv::Mat grey = decode_grey(image, &error);
-  if (grey.empty()) {
-    add_unreadable(where + ": " + error);
+  const Result<cv::Mat> decoded = decode_grey(image);
+  if (!decoded) {
+    add_unreadable(where + ": " + decoded.error_text());
     return true;
   }
+  const cv::Mat& grey = *decoded;
   if (image_size_.empty()) image_size_ = grey.size();
   if (grey.size() != image_size_) {
     problem_ = fmt::format(
@@ -64,10 +64,10 @@ void ViewCollector::add_pixels(const cv::Mat& grey, int64_t utime_us, const std:
   add_view(std::move(detection.view));
 }
 
-// A ChArUco board is found as a chessboard, too, but its markers reach into the windows in which corners are refined:
-// the error of the calibration was seven times as large.
+// A ChArUco board is found as a chessboard, too. But its markers reach into the windows in which corners are refined,
+// which made the error of a calibration seven times as large. Sets problem_ if there are markers.
 void ViewCollector::look_for_markers(const cv::Mat& grey, const BoardView& chessboard) {
-  constexpr int kImages = 3;  // looking takes as long as looking for the board
+  constexpr int kImages = 3;  // looking for markers takes as long as looking for the board
   if (board_.kind != Board::Kind::kChessboard || looked_for_markers_++ >= kImages) return;
   const std::string dictionary = BoardDetector::markers_within(grey, chessboard);
   if (dictionary.empty()) return;

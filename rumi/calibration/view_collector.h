@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Chooses views of a board from images: sharp ones that differ from those taken already.
+// Chooses views of a board from images: sharp ones that differ from those already taken.
 #pragma once
 
 #include <cstdint>
@@ -13,33 +13,36 @@
 namespace rumi::tool {
 
 struct CollectorOptions {
-  double min_difference = 0.1;  // to every view taken, see ViewShape::difference()
-  double max_blur_px = 5;       // width of edges; or
-  double max_blur_part = 0.1;   // of the side of a square, if that is more: large images of large boards
+  double min_difference = 0.1;  // ViewShape::difference() to every view already taken, at least
+  // The width of the edges is at most max_blur_px, or the part max_blur_part of a square's side if that is more (large
+  // images of large boards).
+  double max_blur_px = 5;
+  double max_blur_part = 0.1;
   size_t max_spare = 500;
   CoverageGoal goal;
 };
 
-// Images, by what became of them.
+// Numbers of images by their outcome.
 struct ImageCounts {
-  int64_t images = 0;      // all
-  int64_t unreadable = 0;  // missing or broken
+  int64_t images = 0;      // all images
+  int64_t unreadable = 0;  // the image was missing or broken
   int64_t no_board = 0;
-  int64_t too_little = 0;   // too little of the board
-  int64_t other_board = 0;  // markers, but not as on this board
+  int64_t too_little = 0;   // too little of the board was seen
+  int64_t other_board = 0;  // markers were seen, but not where this board has them
   int64_t blurred = 0;
-  int64_t similar = 0;  // to a view that was taken
+  int64_t similar = 0;  // too similar to a view that was already taken
   int64_t taken = 0;
   int64_t with_board() const { return blurred + similar + taken; }
-  std::string to_string() const;  // "40 images: 24 views taken, 10 like these, 2 blurred, 4 without the board"
+  // Returns, for example, "40 images: 24 views taken, 10 like these, 2 blurred, 4 without the board".
+  std::string to_string() const;
 };
 
 class ViewCollector {
  public:
   ViewCollector(const Board& board, const CollectorOptions& options);
 
-  // False if the image is of another size than those before, or shows a chessboard with markers in it, which problem()
-  // then tells.
+  // Looks for the board in the image. False if no more images should be added: this one has another size than those
+  // before, or shows markers within a chessboard. problem() says which.
   bool add(const image_t& image, const std::string& where);
   void add_unreadable(const std::string& problem);
 
@@ -49,9 +52,9 @@ class ViewCollector {
   const std::string& problem() const { return problem_; }
   const std::string& first_unreadable() const { return first_unreadable_; }
   const std::vector<BoardView>& taken() const { return taken_; }
-  // Sharp views that were like those taken.
+  // Sharp views that were too similar to those taken.
   const std::vector<BoardView>& spare() const { return spare_; }
-  // Of the views taken.
+  // Returns the coverage by the views taken.
   Coverage coverage() const;
 
  private:
@@ -66,8 +69,8 @@ class ViewCollector {
   ImageCounts counts_;
   std::string problem_, first_unreadable_;
   std::vector<BoardView> taken_, spare_;
-  std::vector<ViewShape> shapes_;  // of taken_
-  int looked_for_markers_ = 0;     // in so many images
+  std::vector<ViewShape> shapes_;  // shapes of taken_
+  int looked_for_markers_ = 0;     // number of images in which markers were looked for
 };
 
 }  // namespace rumi::tool

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi calibrate [SOURCE] -o camera.yaml: a camera's calibration from images of a board.
+// rumi calibrate [SOURCE] -o camera.yaml: computes a camera's calibration from images of a board.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -33,7 +34,7 @@ constexpr std::chrono::milliseconds kRefresh{1000}, kSlowRefresh{5000};
 
 std::atomic<bool> g_stop = false;
 
-// Ctrl-C: calibrate with what there is. A second one ends at once.
+// The first Ctrl-C calibrates with the views so far; a second one ends the process at once.
 void stop_on_signals() {
   struct sigaction action {};
   action.sa_handler = [](int) { g_stop = true; };
@@ -42,13 +43,14 @@ void stop_on_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-// What is seen while images come in: in a terminal a picture that is drawn again, else a line now and then.
+// Shows the progress while images come in: on a terminal as a picture that is redrawn, otherwise as a line now and
+// then.
 class Progress {
  public:
-  // live: somebody holds the board and can be told what to do with it.
+  // live: somebody holds the board and can be advised.
   Progress(bool quiet, bool live) : quiet_(quiet), live_(live), terminal_(isatty(STDERR_FILENO) != 0) {}
 
-  // waiting: what is said as long as there is no image.
+  // waiting: text that is printed as long as no image has come.
   void tick(const ViewCollector& collector, const std::string& waiting) {
     const auto now = std::chrono::steady_clock::now();
     if (quiet_ || now - last_ < (terminal_ || live_ ? kRefresh : kSlowRefresh)) return;
@@ -78,7 +80,7 @@ class Progress {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-std::string collect_live(const Arguments& arguments, Progress& progress, ViewCollector* collector) {
+Result<> collect_live(const Arguments& arguments, Progress& progress, ViewCollector* collector) {
   const std::unique_ptr<LcmBus> bus = open_bus(arguments);
   collect_from_bus(*bus, collector);
   const std::string waiting = fmt::format("no image yet on {} ({}); is `rumi camera_driver` running?",
@@ -88,10 +90,11 @@ std::string collect_live(const Arguments& arguments, Progress& progress, ViewCol
     progress.tick(*collector, waiting);
     if (collector->counts().taken > 0 && collector->coverage().missing().empty()) break;
   }
-  return collector->problem();
+  if (!collector->problem().empty()) return Error{collector->problem()};
+  return {};
 }
 
-std::string collect(const Arguments& arguments, ViewCollector* collector) {
+Result<> collect(const Arguments& arguments, ViewCollector* collector) {
   stop_on_signals();
   Progress progress(arguments.quiet, arguments.source.empty());
   if (arguments.source.empty()) return collect_live(arguments, progress, collector);
@@ -102,18 +105,14 @@ std::string collect(const Arguments& arguments, ViewCollector* collector) {
   return collect_from_recording(arguments.source, arguments.names.camera, arguments.every, go_on, collector);
 }
 
-std::string write_text(const std::string& file, const std::string& text) {
+Result<> write_text(const std::string& file, const std::string& text) {
   WholeFile out(file);
   out.write(text);
   return out.commit();
 }
 
-// With everything that speaks against it; nothing is written then.
-std::string refusal(const Calibration& calibration, const ViewCollector& collector) {
-  std::string text = calibration.error;
-  for (const std::string& doubt : calibration.doubts) text += (text.empty() ? "" : "\n  ") + doubt;
+std::string with_missing(std::string text, const ViewCollector& collector) {
   for (const std::string& what : collector.coverage().missing()) text += "\n  missing: " + what;
-  if (calibration.ok()) text += "\n  nothing was written (--force writes it anyway)";
   return text;
 }
 
@@ -125,20 +124,21 @@ void calibrate_from(const Arguments& arguments, const ViewCollector& collector) 
   flush_stdout();
   if (!arguments.picture.empty()) fail_if(viewer_offscreen::write_png(draw_coverage(collector), arguments.picture));
   const Camera::Model model = arguments.model == "pinhole" ? Camera::Model::kPinhole : Camera::Model::kKannalaBrandt;
-  const Calibration calibration = calibrate(collector.board(), collector.taken(), collector.spare(),
-                                            collector.image_size(), model, arguments.options);
-  if (!calibration.ok()) fail_if(refusal(calibration, collector));
-  if (!arguments.quiet) fmt::print("{}", describe(calibration));
-  if (!calibration.doubts.empty() && !arguments.force) fail_if(refusal(calibration, collector));
-  fail_if(write_text(arguments.file, calibration_to_yaml(calibration, collector)));
-  for (const std::string& doubt : calibration.doubts) fmt::print(stderr, "doubtful: {}\n", doubt);
+  const Result<Calibration> calibration = calibrate(collector.board(), collector.taken(), collector.spare(),
+                                                    collector.image_size(), model, arguments.options);
+  if (!calibration) fail_if(with_missing(calibration.error().text(), collector));
+  if (!arguments.quiet) fmt::print("{}", describe(*calibration));
+  if (!calibration->doubts.empty() && !arguments.force)
+    fail_if(with_missing(fmt::format("{}", fmt::join(calibration->doubts, "\n  ")), collector) +
+            "\n  nothing was written (--force writes it anyway)");
+  fail_if(write_text(arguments.file, calibration_to_yaml(*calibration, collector)));
+  for (const std::string& doubt : calibration->doubts) fmt::print(stderr, "doubtful: {}\n", doubt);
   for (const std::string& what : collector.coverage().missing()) fmt::print(stderr, "would be better: {}\n", what);
   if (!arguments.quiet) fmt::print("{}\n", arguments.file);
 }
 
 void calibrate(const Arguments& arguments) {
-  Board board;
-  refuse_if(parse_board(arguments.board, &board));
+  const Board board = value_or_refuse(parse_board(arguments.board));
   fail_if(check_writable(arguments.file));
   if (!arguments.picture.empty()) fail_if(check_writable(arguments.picture));
   start_logging("rumi", false, arguments.quiet);

@@ -20,14 +20,18 @@ void refuse_if(const std::string& error) {
   if (!error.empty()) throw WrongOptions(error);
 }
 
-std::string check_writable(const std::string& file) {
+void fail_if(const Result<>& result) { fail_if(result.error_text()); }
+
+void refuse_if(const Result<>& result) { refuse_if(result.error_text()); }
+
+Result<> check_writable(const std::string& file) {
   namespace fs = std::filesystem;
   std::error_code code;
-  if (fs::is_directory(file, code)) return file + ": is a folder; give the name of a file";
+  if (fs::is_directory(file, code)) return Error{"is a folder", file, "give the name of a file"};
   fs::path folder = fs::path(file).parent_path();
   if (folder.empty()) folder = ".";
-  if (!fs::is_directory(folder, code)) return fmt::format("{}: there is no folder {}", file, folder.string());
-  if (access(folder.c_str(), W_OK) != 0) return fmt::format("{}: no permission to write there", file);
+  if (!fs::is_directory(folder, code)) return Error{"there is no folder " + folder.string(), file};
+  if (access(folder.c_str(), W_OK) != 0) return Error{"no permission to write there", file};
   return {};
 }
 
@@ -67,10 +71,7 @@ void add_bus_flags(CommandLine* command, BusFlags* flags) {
 }
 
 std::unique_ptr<LcmBus> open_bus(const BusFlags& flags) {
-  std::string error;
-  std::unique_ptr<LcmBus> bus = LcmBus::open(flags.lcm_url, flags.names, &error);
-  fail_if(error);
-  return bus;
+  return value_or_fail(LcmBus::open(flags.lcm_url, flags.names));
 }
 
 }  // namespace rumi::tool

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The subcommands of `rumi`. Each function registers one; when the user calls it, *chosen becomes what is to be run by
+// The subcommands of `rumi`. Each function registers one. If the user calls it, *chosen becomes the function for
 // run_command().
 #pragma once
 

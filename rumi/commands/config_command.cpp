@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi config: the options with their values, as config/rumi.yaml and config/expert.yaml have them.
+// rumi config: prints the options with their values, as config/rumi.yaml and config/expert.yaml have them.
 #include <fmt/format.h>
 
 #include <memory>

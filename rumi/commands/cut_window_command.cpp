@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi cut-window INPUT -o FILE: chosen frames of a recording as a window that `rumi ruminate` rebuilds.
+// rumi cut-window INPUT -o FILE: writes chosen frames of a recording as a window that `rumi ruminate` rebuilds.
 #include <fmt/format.h>
 
 #include <memory>
@@ -21,28 +21,26 @@ struct Arguments {
   bool quiet = false;
 };
 
-// What is wrong, or an empty string.
-std::string parse(const Arguments& arguments, WindowCut* cut) {
-  std::string error = parse_frame_range(arguments.gap, &cut->gap);
-  const auto optional = [&error](const std::string& text, std::optional<FrameRange>* range) {
-    if (error.empty() && !text.empty()) error = parse_frame_range(text, &range->emplace());
+// Returns the chosen ranges of frames. Throws WrongOptions.
+WindowCut parse(const Arguments& arguments) {
+  const auto optional = [](const std::string& text) -> std::optional<FrameRange> {
+    if (text.empty()) return std::nullopt;
+    return value_or_refuse(parse_frame_range(text));
   };
-  optional(arguments.approach, &cut->approach);
-  optional(arguments.departure, &cut->departure);
-  return error.empty() ? cut->check() : error;
+  const FrameRange gap = value_or_refuse(parse_frame_range(arguments.gap));
+  const WindowCut cut{optional(arguments.approach), gap, optional(arguments.departure)};
+  refuse_if(cut.check());
+  return cut;
 }
 
 void cut_window(const Arguments& arguments) {
-  WindowCut cut;
-  refuse_if(parse(arguments, &cut));
+  const WindowCut cut = parse(arguments);
   refuse_if(check(arguments.camera));
   start_logging("rumi", false, arguments.quiet);
-  camera_driver::OpenedSource opened = camera_driver::open_recording(arguments.input, arguments.camera);
-  fail_if(opened.error);
-  const CutWindow window = cut_window(*opened.source, cut);
-  fail_if(window.error);
-  fail_if(ruminator::write_window_job(arguments.file, window.job));
-  const ruminator::RuminationWindow& w = window.job.window;
+  const auto source = value_or_fail(camera_driver::open_recording(arguments.input, arguments.camera));
+  const ruminator::WindowJob job = value_or_fail(cut_window(*source, cut));
+  fail_if(ruminator::write_window_job(arguments.file, job));
+  const ruminator::RuminationWindow& w = job.window;
   if (!arguments.quiet)
     fmt::print("{}: {} + {} + {} frames\n", arguments.file, w.approach.size(), w.gap.size(), w.departure.size());
 }

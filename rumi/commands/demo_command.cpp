@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi demo: what Rumi is for, on a rendered walk, without any data of one's own.
+// rumi demo: shows on a rendered walk what Rumi is for. It needs no recording.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -38,7 +38,7 @@ struct Arguments : OptionFlags {
   bool verbose = false;
 };
 
-// What the user has set, and then `settings`. Throws WrongOptions.
+// Sets the user's options, then `settings`, which override them. Throws WrongOptions.
 void set_options(OptionFlags flags, const std::vector<std::string>& settings, ReplayRun* run) {
   OptionTable table;
   describe(table, run->options);
@@ -74,15 +74,15 @@ class Demo {
   fs::path truth() const { return sequence() / "groundtruth.txt"; }
   fs::path log() const { return out_ / "rumi" / "messages.lcm"; }
 
-  // What is in it is removed: it must be empty, or of an earlier demo.
-  std::string prepare_folder() const {
+  // Makes the folder, or takes over the one of an earlier demo. An Error if it holds anything else.
+  Result<> prepare_folder() const {
     std::error_code error;
     fs::create_directories(out_, error);
-    if (!fs::is_directory(out_)) return fmt::format("{}: cannot be made a folder", out_.string());
+    if (!fs::is_directory(out_)) return Error{"cannot be made a folder", out_.string()};
     const ordered_json earlier = read_run_json(out_.string());
     if (!fs::is_empty(out_, error) && (earlier.is_null() || earlier.value("command", "") != "demo"))
-      return fmt::format("{}: holds files that are not of an earlier demo: choose another folder, or empty this one",
-                         out_.string());
+      return Error{"holds files that are not of an earlier demo: choose another folder, or empty this one",
+                   out_.string()};
     return write_run_json(out_.string(), {{"finished", false}, {"command", "demo"}});
   }
 
@@ -117,8 +117,8 @@ class Demo {
     MeasuredRun measured;
     measured.outcome = run_replay(run);
     line.erase();
-    fail_if(measured.outcome.error);
-    fail_if(evaluate_folder(run.out, truth().string(), {}, {}, &measured.evaluation));
+    fail_if(measured.outcome.written);
+    measured.evaluation = value_or_fail(evaluate_folder(run.out, truth().string()));
     const RunEvaluation& evaluation = measured.evaluation;
     fail_if(plot_evaluation(evaluation.run, evaluation.truth, (out_ / name / "evaluation.png").string()));
     return measured;
@@ -126,9 +126,8 @@ class Demo {
 
   void draw(const MeasuredRun& whole) {
     if (!whole.outcome.windows.empty()) {
-      const WindowSceneResult window = read_window_scene(log().string(), 0);
-      fail_if(window.error);
-      fail_if(viewer_offscreen::write_png(draw_window(window.scene), (out_ / "rumi" / "window.png").string()));
+      const WindowScene window = value_or_fail(read_window_scene(log().string(), 0));
+      fail_if(viewer_offscreen::write_png(draw_window(window), (out_ / "rumi" / "window.png").string()));
     }
     WholeFile report((out_ / "rumi" / "report.html").string());
     report.write(make_report((out_ / "rumi").string(), {.groundtruth = truth().string()}));

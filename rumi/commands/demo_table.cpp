@@ -18,7 +18,7 @@ std::string row(const std::string& what, const std::string& front, const std::st
   return fmt::format("{:<52}{:>14}{:>14}\n", what, front, whole);
 }
 
-// "2 images", "1 image".
+// Returns "2 images" or "1 image".
 std::string count_of(int64_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
 
 std::string tell(const WindowRow& row, int64_t begin_us) {
@@ -27,7 +27,7 @@ std::string tell(const WindowRow& row, int64_t begin_us) {
   std::string text = fmt::format("Tracking was lost at {:.1f} s for {:.1f} s", seconds(window.lost_utime_us - begin_us),
                                  seconds(window.resumed_utime_us - window.lost_utime_us));
   const ruminator::BuildResult& result = row.result;
-  if (!row.ok) return text + fmt::format("; what was lost could not be rebuilt: {}.\n", result.failure);
+  if (!row.ok) return text + fmt::format("; what was lost could not be rebuilt: {}.\n", result.submap.error_text());
   return text + fmt::format("; of {} that were kept of it COLMAP rebuilt {} in {:.1f} s.\n",
                             count_of(static_cast<int64_t>(window.gap.size()), "image"), result.gap, result.wall_s);
 }

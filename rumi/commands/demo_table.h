@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the demo shows, in words and numbers for somebody who has never heard of it.
+// Explains the results of the demo to somebody who has never heard of Rumi.
 #pragma once
 
 #include <string>
@@ -14,9 +14,9 @@ struct MeasuredRun {
   RunEvaluation evaluation;
 };
 
-// The front alone and the whole of Rumi on the same images, side by side.
+// Returns a table that compares a run without rebuilding and a run of the whole of Rumi, on the same images.
 std::string demo_table(const MeasuredRun& front, const MeasuredRun& whole);
-// What happened: where tracking was lost, what was rebuilt of it, and what became of the submaps.
+// Returns sentences: where tracking was lost, which windows were rebuilt, and how many submaps were joined.
 std::string demo_story(const ReplayOutcome& whole);
 
 }  // namespace rumi::tool

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi draw-board -o board.pdf: a calibration board to print.
+// rumi draw-board -o board.pdf: draws a calibration board to print.
 #include <fmt/format.h>
 
 #include <memory>
@@ -17,8 +17,7 @@ struct Arguments {
 };
 
 void draw(const Arguments& arguments) {
-  Board board;
-  refuse_if(parse_board(arguments.board, &board));
+  const Board board = value_or_refuse(parse_board(arguments.board));
   for (const Paper& paper : papers())
     if (arguments.paper == paper.name) fail_if(write_board_page(board, paper, arguments.dpi, arguments.file));
   fmt::print("{}: board {} on {}; print it at 100 %, and measure a square: {} mm\n", arguments.file, board.to_string(),

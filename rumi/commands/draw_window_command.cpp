@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi draw-window LOG -o PNG: which frames were sampled around a loss.
+// rumi draw-window LOG -o PNG: draws which frames were sampled around a loss.
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/report/window_picture.h"
@@ -15,9 +15,8 @@ struct Arguments {
 };
 
 void draw(const Arguments& arguments) {
-  const WindowSceneResult result = read_window_scene(arguments.log, arguments.window);
-  fail_if(result.error);
-  fail_if(viewer_offscreen::write_png(draw_window(result.scene), arguments.out));
+  const WindowScene scene = value_or_fail(read_window_scene(arguments.log, arguments.window));
+  fail_if(viewer_offscreen::write_png(draw_window(scene), arguments.out));
 }
 
 }  // namespace

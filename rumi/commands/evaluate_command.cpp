@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi evaluate OUT [--groundtruth F]: how good the outputs of a run are.
+// rumi evaluate OUT [--groundtruth F]: measures how good the outputs of a run are.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -72,7 +72,7 @@ void print_report(const ordered_json& json) {
   if (!of_honesty.empty() && of_honesty != reason) fmt::print("note: {}\n", of_honesty);
 }
 
-// Where none is given, the truth that lies beside the recording of the run.
+// If no truth is given, takes the one beside the recording of the run. Throws std::runtime_error if there is none.
 void choose_truth(Arguments& arguments) {
   if (!arguments.groundtruth.empty()) return;
   const fs::path file = fs::path(arguments.out) / "run.json";
@@ -92,22 +92,20 @@ void choose_truth(Arguments& arguments) {
       rate.is_number() && rate.get<double>() > 0 ? rate.get<double>() : found.frames_per_second;
 }
 
-// What is wrong, or an empty string.
-std::string read_shift(Arguments& arguments) {
+Result<> read_shift(Arguments& arguments) {
   arguments.truth.shift_s.reset();
   if (arguments.truth_shift == "auto") return {};
   arguments.truth.shift_s = parse_number<double>(without_plus(arguments.truth_shift));
-  constexpr double kLongest = 1e9;  // two clocks may count from anywhere
+  constexpr double kLongest = 1e9;  // largest shift, s; the clocks of images and truth may have any origin
   if (arguments.truth.shift_s && std::abs(*arguments.truth.shift_s) <= kLongest) return {};
-  return fmt::format("--truth-shift is '{}': must be a number of seconds, or auto", arguments.truth_shift);
+  return Error{fmt::format("--truth-shift is '{}': must be a number of seconds, or auto", arguments.truth_shift)};
 }
 
 void evaluate(Arguments& arguments) {
-  RunEvaluation evaluation;
   refuse_if(read_shift(arguments));
   choose_truth(arguments);
-  fail_if(evaluate_folder(arguments.out, arguments.groundtruth, arguments.truth, arguments.metrics, &evaluation,
-                          read_truth));
+  const RunEvaluation evaluation = value_or_fail(
+      evaluate_folder(arguments.out, arguments.groundtruth, {arguments.truth, arguments.metrics, read_truth}));
   if (!arguments.json) fmt::print("{:<44}{}\n", "truth", arguments.groundtruth);
   const ordered_json json = to_json(evaluation);
   if (arguments.json) {
@@ -116,9 +114,9 @@ void evaluate(Arguments& arguments) {
     print_report(json);
   }
   const std::string png = (fs::path(arguments.out) / "evaluation.png").string();
-  // The numbers are what was asked for: OUT may be read-only.
-  if (const std::string error = plot_evaluation(evaluation.run, evaluation.truth, png); !error.empty())
-    complain("evaluate", error + ": there is no picture");
+  // A picture that cannot be written is no failure, as OUT may be read-only.
+  if (const Result<> plotted = plot_evaluation(evaluation.run, evaluation.truth, png); !plotted)
+    complain("evaluate", plotted.error().text() + ": there is no picture");
   if (!evaluation.run.map.ate_rmse_m)
     fail_if(fmt::format("{}: nothing could be computed: {}", arguments.out, evaluation.run.map.reason));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi export and rumi import: recordings to and from the formats of other programs.
+// rumi export, rumi import: convert recordings to and from the formats of other programs.
 #include <memory>
 #include <type_traits>
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi export-map MAP -o DIR --format F: a map for other programs.
+// rumi export-map MAP -o DIR --format F: writes a map for other programs.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -11,7 +11,8 @@
 #include "camera_driver/flags.h"
 #include "camera_driver/open_source.h"
 #include "map_server/outputs/colmap_export.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/ply_file.h"
+#include "map_server/outputs/trajectory_file.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/outputs/colmap_images.h"
@@ -29,13 +30,13 @@ struct Arguments {
   camera_driver::CameraOptions camera;
 };
 
-std::string write_map(const map_server::Atlas& atlas, const map_server::LandmarkColours& colours,
-                      const map_server::ImageFiles& files, const std::string& out, const std::string& format) {
+Result<> write_map(const map_server::Atlas& atlas, const map_server::LandmarkColours& colours,
+                   const map_server::ImageFiles& files, const std::string& out, const std::string& format) {
   if (format == "colmap-text") return map_server::write_colmap_text(atlas, out, colours, files);
   if (format == "colmap-bin") return map_server::write_colmap_binary(atlas, out, colours, files);
   std::error_code error;
   fs::create_directories(out, error);
-  if (error) return fmt::format("{}: cannot be made: {}", out, error.message());
+  if (error) return Error{"cannot be made: " + error.message(), out};
   if (format == "ply") return map_server::write_ply(atlas, (fs::path(out) / "map.ply").string(), colours);
   return map_server::write_trajectory_tum(atlas, (fs::path(out) / "trajectory.txt").string());
 }
@@ -54,7 +55,7 @@ map_server::LandmarkColours colours_from(const Arguments& arguments, const map_s
   return seen.colours;
 }
 
-// Says where COLMAP finds the images.
+// Returns the files of the keyframes' images, and prints the folder in which COLMAP finds them.
 map_server::ImageFiles files_from(const Arguments& arguments, const map_server::Atlas& atlas,
                                   camera_driver::ImageSource& recording) {
   const ColmapImages images = find_colmap_images(atlas, recording, arguments.out);
@@ -68,7 +69,7 @@ map_server::ImageFiles files_from(const Arguments& arguments, const map_server::
   return images.files;
 }
 
-// Throws WrongOptions.
+// Sets and checks the options. Throws WrongOptions.
 void read_options(Arguments& arguments) {
   OptionTable table;
   describe(table, arguments.camera);
@@ -88,10 +89,9 @@ void export_map(Arguments& arguments) {
   map_server::ImageFiles files;
   if (!arguments.images.empty()) {
     start_logging("rumi", false, false);
-    const camera_driver::OpenedSource recording = camera_driver::open_recording(arguments.images, arguments.camera);
-    fail_if(recording.error);
-    colours = colours_from(arguments, atlas, *recording.source);
-    if (for_colmap) files = files_from(arguments, atlas, *recording.source);
+    const auto recording = value_or_fail(camera_driver::open_recording(arguments.images, arguments.camera));
+    colours = colours_from(arguments, atlas, *recording);
+    if (for_colmap) files = files_from(arguments, atlas, *recording);
   }
   fail_if(write_map(atlas, colours, files, arguments.out, arguments.format));
   fmt::print("{} written to {}\n", arguments.format, arguments.out);

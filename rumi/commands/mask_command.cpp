@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi mask: what never moves in the images of a recording, as a mask for its camera.
+// rumi mask: finds what never moves in the images of a recording, and writes it as a mask for its camera.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -30,19 +30,18 @@ struct Arguments {
   std::vector<std::string> settings;
 };
 
-// What is wrong, or an empty string.
-std::string check_output(const std::string& file) {
+Result<> check_output(const std::string& file) {
   std::error_code code;
-  if (std::filesystem::path(file).extension() != ".png") return file + ": must be a PNG: give NAME.png";
-  // It may have been edited.
-  if (std::filesystem::exists(file, code)) return file + ": exists; remove it or give another name";
+  if (std::filesystem::path(file).extension() != ".png") return Error{"must be a PNG: give NAME.png", file};
+  // An existing mask is not replaced, because the user may have edited it.
+  if (std::filesystem::exists(file, code)) return Error{"exists", file, "remove it or give another name"};
   return check_writable(file);
 }
 
 struct Looked {
   int64_t images = 0;
-  ImageMask mask;  // of the size that front_tracker works on, as it would learn it
-  int looks = 0;   // images that had moved on since the one before
+  ImageMask mask;  // as front_tracker learns it, in the size of its working images
+  int looks = 0;   // images that differed enough from the one before to be compared with it
 };
 
 Looked look_at(camera_driver::ImageSource& source) {
@@ -52,8 +51,7 @@ Looked look_at(camera_driver::ImageSource& source) {
   Looked looked;
   ProgressLine line(true);
   while (const auto image = source.next()) {
-    std::string ignored;
-    const cv::Mat grey = decode_working_image(*image, camera, working, &ignored);
+    const cv::Mat grey = decode_working_image(*image, camera, working).value_or(cv::Mat());
     if (grey.empty()) continue;
     still.add(image->utime, grey);
     ++looked.images;
@@ -66,8 +64,8 @@ Looked look_at(camera_driver::ImageSource& source) {
   return looked;
 }
 
-// White where nothing is left out: something to draw on.
-std::string write_mask(const ImageMask& mask, const Camera& camera, const std::string& name) {
+// Writes the mask even if nothing is left out: then all of it is white, and the user can draw on it.
+Result<> write_mask(const ImageMask& mask, const Camera& camera, const std::string& name) {
   const cv::Size size(camera.width, camera.height);
   WholeFile file(name);
   file.write(encode_mask(mask.is_everything() ? cv::Mat(size, CV_8U, cv::Scalar(255)) : mask.resized(size).pixels()));
@@ -76,9 +74,8 @@ std::string write_mask(const ImageMask& mask, const Camera& camera, const std::s
 
 int run_mask(const Arguments& arguments) {
   fail_if(check_output(arguments.output));
-  camera_driver::OpenedSource opened = camera_driver::open_recording(arguments.input, arguments.camera);
-  fail_if(opened.error);
-  camera_driver::ImageSource& source = *opened.source;
+  const auto opened = value_or_fail(camera_driver::open_recording(arguments.input, arguments.camera));
+  camera_driver::ImageSource& source = *opened;
   const Looked looked = look_at(source);
   fail_if(looked.images == 0 ? arguments.input + ": no image can be read" : "");
   fail_if(write_mask(looked.mask, source.camera(), arguments.output));
@@ -97,7 +94,7 @@ int run_mask(const Arguments& arguments) {
 
 int run(Arguments& arguments) {
   load_recording_options(arguments.settings, &arguments.camera);
-  arguments.camera.mask = kNoMask;  // one beside the data may be the one that is to be made anew
+  arguments.camera.mask = kNoMask;  // a mask beside the recording is not used, as it may be the one to be replaced
   start_logging("rumi", false, false);
   return run_mask(arguments);
 }

@@ -12,13 +12,13 @@
 
 namespace rumi::tool {
 
-std::string become_program(char** argv) {
+Result<> become_program(char** argv) {
   const std::string name = argv[0] && argv[1] ? argv[1] : "";
   if (std::find(kPrograms.begin(), kPrograms.end(), name) == kPrograms.end()) return {};
   std::string program = (program_folder_of(own_folder()) / name).string();
   argv[1] = program.data();
   execv(program.c_str(), argv + 1);
-  return fmt::format("{}: cannot be started: {}; install Rumi again, or build it", program, std::strerror(errno));
+  return Error{fmt::format("cannot be started: {}", std::strerror(errno)), program, "install Rumi again, or build it"};
 }
 
 }  // namespace rumi::tool

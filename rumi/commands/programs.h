@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `rumi camera_driver ARGUMENTS...`: the processes by the one command that is on the PATH.
+// `rumi PROGRAM ARGUMENTS...` starts one of the system's processes, because `rumi` is the only one on the PATH.
 #pragma once
 
 #include <array>
 #include <string>
+
+#include "base/result.h"
 
 namespace rumi::tool {
 
 inline constexpr std::array kPrograms = {"camera_driver", "front_tracker", "ruminator", "map_server",
                                          "viewer_offscreen"};
 
-// This process becomes the program that argv[1] names, with all that follows. Returns where it does not: why that could
-// not be started, or nothing where argv[1] names none.
-std::string become_program(char** argv);
+// Turns this process into the program that argv[1] names, with the arguments that follow. Returns if argv[1] names no
+// program; returns an Error if the program cannot be started.
+Result<> become_program(char** argv);
 
 }  // namespace rumi::tool

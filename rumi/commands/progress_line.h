@@ -12,7 +12,8 @@
 
 namespace rumi::tool {
 
-// How far long work is. On a terminal one line, over and over; elsewhere a line in the log now and then.
+// Shows the progress of long work: on a terminal in one line that is printed again and again, otherwise in a line of
+// the log now and then.
 class ProgressLine {
  public:
   explicit ProgressLine(bool show) : show_(show) {}
@@ -20,8 +21,8 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  // total: -1 if nobody knows. make_text() is called twice a second at most; on no terminal every ten seconds, and only
-  // once a twentieth of all is done since the last time.
+  // `total` is -1 if unknown. make_text() is called at most twice a second on a terminal; otherwise every ten seconds,
+  // and only if at least a twentieth of the work was done since the last time.
   template <class MakeText>
   void update(int64_t done, int64_t total, const MakeText& make_text) {
     if (!show_ || Clock::now() - last_ < (terminal_ ? std::chrono::milliseconds(500) : std::chrono::seconds(10)))
@@ -35,7 +36,7 @@ class ProgressLine {
     told_ = done;
     shown_ = terminal_;
   }
-  // Takes the line away.
+  // Erases the line from the terminal.
   void erase() {
     if (shown_) say("\r\x1b[K");
     shown_ = false;
@@ -44,7 +45,7 @@ class ProgressLine {
 
  private:
   using Clock = std::chrono::steady_clock;
-  // Not by fmt::print, which throws where nobody reads any more: a terminal that was closed.
+  // Unlike fmt::print, fputs does not throw if the terminal was closed.
   static void say(const std::string& text) { std::fputs(text.c_str(), stderr); }
   bool show_, terminal_ = isatty(STDERR_FILENO) != 0, shown_ = false;
   Clock::time_point begin_ = Clock::now(), last_ = begin_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What commands have in common that read a recording from its beginning to its end.
+// Options of commands that read a recording from its beginning to its end.
 #pragma once
 
 #include <string>
@@ -10,9 +10,9 @@
 
 namespace rumi::tool {
 
-// --set, of camera_driver's options.
+// Adds --set for the options of camera_driver.
 void add_recording_settings(CommandLine* command, std::vector<std::string>* settings);
-// Throws WrongOptions, also for a recording that would never end.
+// Sets `options`. Throws WrongOptions, also for camera_driver.loop, with which the recording would never end.
 void load_recording_options(const std::vector<std::string>& settings, camera_driver::CameraOptions* options);
 
 }  // namespace rumi::tool

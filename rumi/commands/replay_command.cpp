@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi replay INPUT -o OUT
+// rumi replay INPUT -o OUT: runs all components on a recording, in this process, and writes the map and the paths.
 #include <fmt/format.h>
 
 #include <memory>
@@ -26,14 +26,14 @@ struct Arguments : OptionFlags {
   bool quiet = false, verbose = false;
 };
 
-std::string check(const AllOptions& options, const std::string& out) {
+Result<> check(const AllOptions& options, const std::string& out) {
   const map_server::MapServerOptions& map = options.map_server;
-  if (out.empty()) return "--output is empty: give a folder";
-  const std::string problem = check(options.camera_driver);
-  return problem.empty() && map.localize_only ? check_map_stays(map.database, out) : problem;
+  if (out.empty()) return Error{"--output is empty: give a folder"};
+  if (const Result<> camera = check(options.camera_driver); !camera) return camera;
+  return map.localize_only ? check_map_stays(map.database, out) : Result<>();
 }
 
-// Whoever names one may expect the map in it to go on, as it does in a live system.
+// Tells a user who named a database that the replay does not go on with its map, as a live system would.
 void tell_of_database(const map_server::MapServerOptions& map) {
   if (map.localize_only || map.database == map_server::MapServerOptions().database ||
       map.database == map_server::kInMemory)
@@ -63,7 +63,7 @@ int replay(Arguments& arguments) {
   const ReplayOutcome outcome = run_replay(run);
   line.erase();
   if (!outcome.warning.empty()) complain("replay", outcome.warning);
-  fail_if(outcome.error);
+  fail_if(outcome.written);
   if (!arguments.quiet) {
     print_summary(outcome.counts, outcome.notes, outcome.left_out, run.out);
     fmt::print("{} images in {:.1f} s\n", outcome.images, outcome.wall_s);

@@ -40,43 +40,47 @@ double peak_rss_mb() {
   return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;
 }
 
-// OUT/windows: the windows as files that `rumi ruminate` rebuilds, and in OUT/windows.csv what came of them here.
+// Writes the windows to OUT/windows, as files that `rumi ruminate` rebuilds, and their outcomes to OUT/windows.csv.
 class WindowOutput {
  public:
   explicit WindowOutput(const std::string& out) : out_(out) {}
 
-  // Removes the windows of an earlier run. What is wrong, or an empty string.
-  std::string prepare() {
+  // Removes the windows of an earlier run.
+  Result<> prepare() {
     std::error_code error;
     fs::create_directories(out_ / "windows", error);
     for (fs::directory_iterator it(out_ / "windows", error), end; !error && it != end; it.increment(error))
       if (it->path().extension() == ".window") fs::remove(it->path(), error);
-    return error ? fmt::format("{}: {}", (out_ / "windows").string(), error.message()) : "";
+    if (error) return Error{error.message(), (out_ / "windows").string()};
+    return {};
   }
   ReplayHooks hooks() {
     return {[this](const ruminator::WindowJob& job) {
               ++complete_;
               const std::string name = to_string(name_of(job.window)) + ".window";
-              const std::string error = ruminator::write_window_job((out_ / "windows" / name).string(), job);
-              if (error_.empty()) error_ = error;
+              const Result<> written = ruminator::write_window_job((out_ / "windows" / name).string(), job);
+              if (error_.empty()) error_ = written.error_text();
             },
             [this](const ruminator::RuminationWindow& window, const ruminator::BuildResult& result) {
               rows_.push_back(make_window_row(to_string(name_of(window)), window, result));
             }};
   }
-  std::string finish() {
+  // Writes windows.csv. An Error if it or one of the windows could not be written.
+  Result<> finish() {
     WholeFile csv((out_ / "windows.csv").string());
     csv.write(window_csv_header() + "\n");
     for (const WindowRow& row : rows_) csv.write(window_csv_line(row) + "\n");
-    const std::string error = csv.commit();
-    return error_.empty() ? error : error_;
+    const Result<> written = csv.commit();
+    if (!error_.empty()) return Error{error_};
+    return written;
   }
-  // A line for each that gave nothing.
+  // Returns a line for each window that was not rebuilt.
   std::vector<std::string> failures() const {
     std::vector<std::string> lines;
     for (const WindowRow& row : rows_)
       if (!row.ok)
-        lines.push_back(fmt::format("window {}, {}: {}", row.window.id, describe(row.window), row.result.failure));
+        lines.push_back(
+            fmt::format("window {}, {}: {}", row.window.id, describe(row.window), row.result.submap.error_text()));
     return lines;
   }
   const std::vector<WindowRow>& rows() const { return rows_; }
@@ -89,11 +93,11 @@ class WindowOutput {
   fs::path out_;
   int complete_ = 0;
   std::vector<WindowRow> rows_;
-  std::string error_;  // the first
+  std::string error_;  // for the first window that could not be written; empty if all were written
 };
 
-// All that differs from run to run is under cpu_ms_per_frame, cpu_ms_per_frame_by_stage, cpu_s, wall_s and
-// peak_rss_mb.
+// Returns the content of run.json. Only cpu_ms_per_frame, cpu_ms_per_frame_by_stage, cpu_s, wall_s and peak_rss_mb
+// differ between two runs of the same input.
 ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutput& windows, bool stopped,
                         double run_cpu_s, double wall_s) {
   const int64_t frames = replay.progress().frames;
@@ -132,12 +136,12 @@ ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutpu
   return run;
 }
 
-// Whatever of it is possible, windows.csv and the end of --log too. Returns what is not, a line each.
+// Writes all outputs that can be written, also windows.csv and the end of --log. Returns a line for each failure.
 std::vector<std::string> write_everything(Replay& replay, WindowOutput& windows, const ReplayRun& run) {
   const std::string& out = run.out;
-  std::vector<std::string> missing = {replay.close_log(), windows.finish()};
-  // First what all else can be made of again.
-  const std::string no_map = replay.store().write_copy((fs::path(out) / "map.db").string());
+  std::vector<std::string> missing = {replay.close_log().error_text(), windows.finish().error_text()};
+  // map.db comes first, because all other outputs can be made from it.
+  const std::string no_map = replay.store().write_copy((fs::path(out) / "map.db").string()).error_text();
   missing.push_back(no_map);
   map_server::LandmarkColours colours;
   if (run.colours_of_videos || replay.recording().plays_few_quickly()) {
@@ -149,31 +153,32 @@ std::vector<std::string> write_everything(Replay& replay, WindowOutput& windows,
   for (const std::string& problem :
        write_run_outputs(replay.atlas(), out, replay.earlier_sessions(), colours, {camera.width, camera.height}))
     missing.push_back(problem);
-  if (no_map.empty()) missing.push_back(draw_run_picture(out));
+  if (no_map.empty()) missing.push_back(draw_run_picture(out).error_text());
   std::erase(missing, "");
   return missing;
 }
 
-// A folder in which nothing was written is not left behind.
-std::string reserve_outputs(const std::string& out, int64_t images, ReservedSpace* reserved) {
+// Reserves disk space for the outputs. If that fails, removes the folder again if it is empty.
+Result<> reserve_outputs(const std::string& out, int64_t images, ReservedSpace* reserved) {
   const std::string doubt = doubt_about_space(out, images);
-  const std::string error = reserved->take(out, images);
+  const Result<> taken = reserved->take(out, images);
   std::error_code not_empty;
-  if (!error.empty()) fs::remove(out, not_empty);
-  if (error.empty() && !doubt.empty()) log_warning("{}", doubt);
-  return error;
+  if (!taken) fs::remove(out, not_empty);
+  if (taken && !doubt.empty()) log_warning("{}", doubt);
+  return taken;
 }
 
-std::string check_log(const ReplayRun& run) {
+Result<> check_log(const ReplayRun& run) {
+  if (run.log.empty()) return {};
   std::error_code none;
-  if (fs::equivalent(run.log, run.input, none)) return fmt::format("--log {} is the input itself", run.log);
-  // An earlier run's log is written anew; what else has this name is somebody's.
+  if (fs::equivalent(run.log, run.input, none)) return Error{fmt::format("--log {} is the input itself", run.log)};
+  // The log of an earlier run is replaced; any other file of this name is not.
   if (fs::is_regular_file(run.log, none) && fs::file_size(run.log, none) > 0 && !is_lcm_log(run.log))
-    return fmt::format("--log {}: exists and is no lcm log; remove it or give another name", run.log);
+    return Error{"exists and is no lcm log", "--log " + run.log, "remove it or give another name"};
   return {};
 }
 
-// Everything up to the end of the input, and what follows from it.
+// Plays the input to its end, or until the run is stopped, and lets the components finish.
 void play(const ReplayRun& run, Replay* replay, ReplayOutcome* outcome) {
   const auto asked_to_stop = [&run] { return run.stop && *run.stop; };
   while (!asked_to_stop() && replay->step()) {
@@ -195,7 +200,7 @@ std::vector<std::string> what_is_left_out(Replay& replay, const WindowOutput& wi
   return lines;
 }
 
-// Empty if images have a pose, in the map that is to be localized in if there is one.
+// Returns why no image has a pose in the map (with localize_only: in the map to localize in); empty if one has.
 std::string why_no_pose(const ReplayRun& run, const ReplayOutcome& outcome) {
   const map_server::MapServerOptions& options = run.options.map_server;
   if (outcome.counts.frames_in_map > 0) return {};
@@ -204,7 +209,8 @@ std::string why_no_pose(const ReplayRun& run, const ReplayOutcome& outcome) {
   return why_no_map(run.input, run.options.camera_driver);
 }
 
-// Empty if nearly all images have a place in the map, or none has one, or the user did not want the map to be joined.
+// Returns a complaint if the map lacks many images; empty if it has nearly all or none of them, or if the user did not
+// want submaps to be joined.
 std::string why_not_whole(const ReplayRun& run, const ReplayOutcome& outcome) {
   constexpr double kWhole = 0.9;
   if (!run.options.map_server.merge.enabled || !run.options.ruminator.rebuild) return {};
@@ -214,6 +220,34 @@ std::string why_not_whole(const ReplayRun& run, const ReplayOutcome& outcome) {
     return {};
   return fmt::format("the map has a pose for {} of {} images only; what is left out, and why, is said above",
                      counts.frames_in_map, counts.frames);
+}
+
+// Prepares all outputs before anything is played. An Error if they could not be written.
+Result<> prepare(const ReplayRun& run, Replay* replay, WindowOutput* windows, ReservedSpace* reserved) {
+  Result<> ready = check_log(run);
+  if (ready) ready = check_mask_stays(run.options.camera_driver.mask, run.input, run.out);
+  if (ready) ready = check_output_folder(run.out);
+  if (ready) ready = reserve_outputs(run.out, replay->progress().total, reserved);
+  if (ready) ready = prepare_output_folder(run.out);
+  if (ready && !run.log.empty()) ready = replay->record(run.log);
+  if (ready) ready = windows->prepare();
+  return ready;
+}
+
+// Fills the part of the outcome that tells the user what the run produced and what is missing.
+void describe_result(const ReplayRun& run, Replay& replay, const WindowOutput& windows, ReplayOutcome* outcome) {
+  outcome->counts = count(replay.atlas(), replay.earlier_sessions());
+  outcome->notes = notes_of(outcome->counts, replay.localized_after_s().value_or(-1),
+                            masks_of(replay.atlas(), replay.earlier_sessions()));
+  outcome->left_out = what_is_left_out(replay, windows);
+  outcome->windows = windows.rows();
+  outcome->images = replay.progress().frames;
+  outcome->total = replay.progress().total;
+  outcome->complaints = replay.skipped().complaints(replay.decoded());
+  if (const std::string& doubt = replay.calibration_doubt(); !doubt.empty()) outcome->complaints.push_back(doubt);
+  if (outcome->stopped) return;  // a part of a recording need not make a whole map
+  if (const std::string why = why_no_pose(run, *outcome); !why.empty()) outcome->complaints.push_back(why);
+  if (const std::string why = why_not_whole(run, *outcome); !why.empty()) outcome->complaints.push_back(why);
 }
 
 }  // namespace
@@ -229,16 +263,9 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   ReplayHooks hooks = windows.hooks();
   hooks.stop = run.stop;
   Replay replay(options, run.input, hooks);
-  std::string& error = outcome.error;
   ReservedSpace reserved;
-  if (!run.log.empty()) error = check_log(run);
-  if (error.empty()) error = check_mask_stays(run.options.camera_driver.mask, run.input, run.out);
-  if (error.empty()) error = check_output_folder(run.out);
-  if (error.empty()) error = reserve_outputs(run.out, replay.progress().total, &reserved);
-  if (error.empty()) error = prepare_output_folder(run.out);
-  if (error.empty() && !run.log.empty()) error = replay.record(run.log);
-  if (error.empty()) error = windows.prepare();
-  if (error.empty()) {
+  outcome.written = prepare(run, &replay, &windows, &reserved);
+  if (outcome.written) {
     play(run, &replay, &outcome);
     reserved.release();
     const std::vector<std::string> missing = write_everything(replay, windows, run);
@@ -246,21 +273,10 @@ ReplayOutcome run_replay(const ReplayRun& run) {
     ordered_json record =
         run_record(run, replay, windows, outcome.stopped, process_cpu_s() - begin_cpu_s, outcome.wall_s);
     const std::string all_missing = note_missing(missing, run.out, &record);
-    error = write_run_json(run.out, record);
-    if (error.empty()) error = all_missing;
+    outcome.written = write_run_json(run.out, record);
+    if (outcome.written && !all_missing.empty()) outcome.written = Error{all_missing};
   }
-  outcome.counts = count(replay.atlas(), replay.earlier_sessions());
-  outcome.notes = notes_of(outcome.counts, replay.localized_after_s().value_or(-1),
-                           masks_of(replay.atlas(), replay.earlier_sessions()));
-  outcome.left_out = what_is_left_out(replay, windows);
-  outcome.windows = windows.rows();
-  outcome.images = replay.progress().frames;
-  outcome.total = replay.progress().total;
-  outcome.complaints = replay.skipped().complaints(replay.decoded());
-  if (const std::string& doubt = replay.calibration_doubt(); !doubt.empty()) outcome.complaints.push_back(doubt);
-  if (outcome.stopped) return outcome;  // of a part of a recording nobody expects a whole map
-  if (const std::string why = why_no_pose(run, outcome); !why.empty()) outcome.complaints.push_back(why);
-  if (const std::string why = why_not_whole(run, outcome); !why.empty()) outcome.complaints.push_back(why);
+  describe_result(run, replay, windows, &outcome);
   return outcome;
 }
 

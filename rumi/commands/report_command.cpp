@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi report OUT: a run as one web page.
+// rumi report OUT: writes a run as one web page.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -24,7 +24,8 @@ void report(const Arguments& arguments) {
   const std::string page = make_report(arguments.out, arguments.options);
   WholeFile output(file);
   output.write(page);
-  if (const std::string error = output.commit(); !error.empty()) fail_if(error + "; -o FILE puts the page elsewhere");
+  if (const Result<> written = output.commit(); !written)
+    fail_if(written.error_text() + "; -o FILE puts the page elsewhere");
   fmt::print("report  {}\n", file);
 }
 

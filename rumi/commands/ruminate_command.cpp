@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi ruminate WINDOW...: rebuilds windows from their files, anywhere.
+// rumi ruminate WINDOW...: rebuilds windows from their files, without a running system.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -21,7 +21,7 @@
 #include "bus/transport/bus.h"
 #include "bus/wire/submap_update.h"
 #include "formats/truth/truth.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/trajectory_file.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/run/all_options.h"
@@ -49,7 +49,7 @@ void cancel_on_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-// Folders stand for the windows in them, by session and number.
+// Returns the files of windows. An argument that is a folder stands for its windows, sorted by session and number.
 std::vector<std::string> window_files(const std::vector<std::string>& arguments) {
   std::vector<std::string> files;
   for (const std::string& argument : arguments) {
@@ -61,7 +61,7 @@ std::vector<std::string> window_files(const std::vector<std::string>& arguments)
     std::vector<std::string> inside;
     for (const auto& entry : fs::directory_iterator(argument, error))
       if (entry.path().extension() == ".window") inside.push_back(entry.path().string());
-    // Of two names of numbers without leading zeros the shorter is the smaller.
+    // Names are numbers without leading zeros, so a shorter name is a smaller number.
     std::sort(inside.begin(), inside.end(), [](const std::string& a, const std::string& b) {
       return a.size() != b.size() ? a.size() < b.size() : a < b;
     });
@@ -70,14 +70,13 @@ std::vector<std::string> window_files(const std::vector<std::string>& arguments)
   return files;
 }
 
-// What is wrong, or an empty string.
-std::string write_results(const Arguments& arguments, const std::string& name, const Submap& submap) {
+Result<> write_results(const Arguments& arguments, const std::string& name, const Submap& submap) {
   const fs::path base = fs::path(arguments.out) / name;
   const std::vector<uint8_t> bytes = encode_message(make_submap_update(submap, 0));
   WholeFile file(base.string() + ".submap");
   file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  const std::string error = file.commit();
-  return error.empty() ? map_server::write_submap_tum(submap, base.string() + ".txt") : error;
+  if (const Result<> written = file.commit(); !written) return written;
+  return map_server::write_submap_tum(submap, base.string() + ".txt");
 }
 
 class Ruminate {
@@ -85,7 +84,7 @@ class Ruminate {
   Ruminate(const Arguments& arguments, const ruminator::BuildOptions& options, std::vector<TimedPose> truth)
       : arguments_(arguments), colmap_(ruminator::colmap_builder(options)), truth_(std::move(truth)) {}
 
-  // Returns how many windows could not be rebuilt.
+  // Returns the number of windows that were not rebuilt.
   int run(const std::vector<std::string>& files) {
     if (!arguments_.json) fmt::print("{}\n", window_table_header(!truth_.empty()));
     int failures = 0;
@@ -95,9 +94,8 @@ class Ruminate {
     }
     return failures;
   }
-  // What is wrong, or an empty string.
-  std::string write_csv() const {
-    if (arguments_.out.empty()) return "";
+  Result<> write_csv() const {
+    if (arguments_.out.empty()) return {};
     WholeFile file((fs::path(arguments_.out) / "windows.csv").string());
     file.write(window_csv_header() + "\n");
     for (const WindowRow& row : rows_) file.write(window_csv_line(row) + "\n");
@@ -107,21 +105,26 @@ class Ruminate {
  private:
   bool rebuild(const std::string& file) {
     const std::string name = fs::path(file).stem().string();
-    const ruminator::WindowJobFile read = ruminator::read_window_job(file);
-    if (read.broken_images > 0)
-      complain("ruminate", fmt::format("{}: {} broken images left out", file, read.broken_images));
+    const Result<ruminator::WindowJobFile> read = ruminator::read_window_job(file);
+    if (read && read->broken_images > 0)
+      complain("ruminate", fmt::format("{}: {} broken images left out", file, read->broken_images));
     ruminator::BuildResult result;
-    result.failure = read.error;
-    if (read.ok()) result = build(name, read.job);
-    rows_.push_back(make_window_row(name, read.job.window, result, truth_));
+    if (read)
+      result = build(name, read->job);
+    else
+      result.submap = read.error();
+    // If the images of a window cannot be read, its row still says which window it is.
+    const ruminator::RuminationWindow window =
+        read ? read->job.window : ruminator::read_window_manifest(file).value_or(ruminator::WindowJob()).window;
+    rows_.push_back(make_window_row(name, window, result, truth_));
     const WindowRow& row = rows_.back();
     fmt::print("{}\n", arguments_.json ? json_text(to_json(row)) : window_table_line(row, !truth_.empty()));
     flush_stdout();
     if (!result.submap) return false;
     if (arguments_.out.empty()) return true;
-    const std::string error = write_results(arguments_, name, *result.submap);
-    if (!error.empty()) complain("ruminate", error);
-    return error.empty();
+    const Result<> written = write_results(arguments_, name, *result.submap);
+    if (!written) complain("ruminate", written.error().text());
+    return written.has_value();
   }
 
   ruminator::BuildResult build(const std::string& name, const ruminator::WindowJob& job) {
@@ -133,16 +136,16 @@ class Ruminate {
       result = colmap_.builder(
           job, work, [&](const ruminator::BuildProgress& progress) { show(name, progress); }, g_cancel);
     } catch (const std::exception& e) {
-      result.failure = reason_of(e);
+      result.submap = Error{reason_of(e)};
     }
     clear_line();
     std::error_code ignored;
     if (!arguments_.keep_work) fs::remove_all(work, ignored);
-    if (result.cancelled && !result.submap) result.failure = "called off";
+    if (result.cancelled && !result.submap) result.submap = Error{"called off"};
     return result;
   }
 
-  // One line on a terminal, over and over.
+  // Shows the progress on a terminal, in one line that is printed again and again.
   void show(const std::string& name, const ruminator::BuildProgress& progress) {
     if (arguments_.quiet || !isatty(STDERR_FILENO)) return;
     constexpr const char* kStages[] = {"extracting", "matching", "mapping"};

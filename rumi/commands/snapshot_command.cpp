@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi snapshot -o OUT: what a live system has so far, in the same files as `rumi replay` writes.
+// rumi snapshot -o OUT: writes what a live system has so far, in the same files as `rumi replay`.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -31,11 +31,11 @@ struct Arguments : BusFlags {
   bool update = false, quiet = false;
   uint64_t since_us = 0;
   std::string images;
-  OptionFlags flags;  // --config alone: how the images are played
+  OptionFlags flags;  // only --config: how the recording of --images is played
   AllOptions options;
 };
 
-constexpr double kListenS = 1.5;  // every process tells its status once a second
+constexpr double kListenS = 1.5;  // every process publishes its status once a second
 
 nlohmann::ordered_json to_json(const process_status_t& status) {
   nlohmann::ordered_json channels = nlohmann::ordered_json::object();
@@ -49,15 +49,17 @@ nlohmann::ordered_json to_json(const process_status_t& status) {
           {"channels", channels}};
 }
 
-// How many images reached front_tracker, those included that it had no time for: the map knows nothing of the latter.
+// Returns how many images reached front_tracker. The map lacks those for which it had no time. Absent if its status is
+// unknown.
 std::optional<int64_t> images_of(const nlohmann::ordered_json& processes) {
   const nlohmann::ordered_json::json_pointer received("/front_tracker/channels/CAMERA/received");
   if (!processes.contains(received)) return std::nullopt;
   return processes[received].get<int64_t>();
 }
 
-// Sessions are named by the time at which they began: those after the first process that runs are of this run.
-int64_t last_session_before(const Arguments& arguments, const SnapshotResult& snapshot) {
+// Returns the largest number that a session of earlier runs can have. A session is named by the time of its first
+// image, so those that began after the first of the running processes belong to this run.
+int64_t last_session_before(const Arguments& arguments, const Snapshot& snapshot) {
   if (arguments.since_us > 0) return static_cast<int64_t>(arguments.since_us) - 1;
   int64_t began_us = map_server::kNoSession + 1;
   for (const auto& [name, status] : snapshot.processes)
@@ -80,9 +82,9 @@ nlohmann::ordered_json run_record(const Arguments& arguments, const AtlasCounts&
   return run;
 }
 
-// What is known of each process: what was heard now, or, with --update, what the earlier snapshot heard of those that
-// have ended since.
-nlohmann::ordered_json known_processes(const Arguments& arguments, const SnapshotResult& snapshot) {
+// Returns the status of each process as heard now. With --update, a process that has ended keeps the status of the
+// earlier snapshot.
+nlohmann::ordered_json known_processes(const Arguments& arguments, const Snapshot& snapshot) {
   nlohmann::ordered_json processes = nlohmann::ordered_json::object();
   if (arguments.update) {
     const nlohmann::ordered_json earlier = read_run_json(arguments.out);
@@ -92,7 +94,7 @@ nlohmann::ordered_json known_processes(const Arguments& arguments, const Snapsho
   return processes;
 }
 
-// Images that no file of the run tells of, for a person; empty if there are none.
+// Says how many images were dropped and so are in no file of the run; empty if none were.
 std::string describe_dropped(const nlohmann::ordered_json& processes) {
   int64_t count = 0;
   for (const char* kind : {"dropped", "undecodable"}) {
@@ -119,9 +121,9 @@ void print_processes(const nlohmann::ordered_json& processes) {
   }
 }
 
-// What the recording that the system plays tells, if it is named.
+// Taken from the recording that the system plays, if --images names it.
 struct OfRecording {
-  map_server::LandmarkColours colours;  // if it plays a few images quickly
+  map_server::LandmarkColours colours;  // empty if reading the images again would take long
   cv::Size image_size;
 };
 
@@ -130,11 +132,11 @@ OfRecording look_at_recording(const Arguments& arguments, const map_server::Atla
   OfRecording result;
   if (arguments.images.empty()) return result;
   const std::string thrown = thrown_by([&] {
-    spdlog::set_level(spdlog::level::err);  // what is odd in the recording was said when it began
-    const auto recording = camera_driver::open_recording(arguments.images, arguments.options.camera_driver);
-    fail_if(recording.error);
-    result.image_size = {recording.source->camera().width, recording.source->camera().height};
-    if (recording.source->plays_few_quickly()) result.colours = landmark_colours(atlas, *recording.source).colours;
+    spdlog::set_level(spdlog::level::err);  // its warnings were logged when the system started
+    const auto recording =
+        value_or_fail(camera_driver::open_recording(arguments.images, arguments.options.camera_driver));
+    result.image_size = {recording->camera().width, recording->camera().height};
+    if (recording->plays_few_quickly()) result.colours = landmark_colours(atlas, *recording).colours;
   });
   if (!thrown.empty()) missing->push_back("colours of map.ply: " + thrown);
   return result;
@@ -146,12 +148,12 @@ void take_snapshot(Arguments& arguments) {
   load(table, arguments.flags);
   fail_if(check_output_folder(arguments.out));
   const std::unique_ptr<LcmBus> bus = open_bus(arguments);
-  const SnapshotResult snapshot = request_snapshot(*bus, arguments.timeout_s, kListenS);
-  if (!snapshot.error.empty()) {
+  Result<Snapshot> requested = request_snapshot(*bus, arguments.timeout_s, kListenS);
+  if (!requested) {
     std::error_code not_empty;
     std::filesystem::remove(arguments.out, not_empty);
-    fail_if(snapshot.error);
   }
+  const Snapshot snapshot = value_or_fail(std::move(requested));
   const nlohmann::ordered_json processes = known_processes(arguments, snapshot);
   std::string copy_problem;
   const map_server::Atlas atlas =
@@ -162,7 +164,7 @@ void take_snapshot(Arguments& arguments) {
   const OfRecording seen = look_at_recording(arguments, atlas, &missing);
   for (const std::string& problem : write_run_outputs(atlas, arguments.out, before, seen.colours, seen.image_size))
     missing.push_back(problem);
-  const std::string no_picture = copy_problem.empty() ? draw_run_picture(arguments.out) : copy_problem;
+  const std::string no_picture = copy_problem.empty() ? draw_run_picture(arguments.out).error_text() : copy_problem;
   if (!no_picture.empty()) missing.push_back(no_picture);
   const RunMasks masks = masks_of(atlas, before);
   nlohmann::ordered_json run = run_record(arguments, counts, masks, processes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi status: a running system at a glance.
+// rumi status: shows the state of a running system.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -20,7 +20,7 @@ struct Arguments : BusFlags {
   bool json = false, follow = false;
 };
 
-constexpr std::chrono::milliseconds kListen{2500};  // two statuses of every process, for rates
+constexpr std::chrono::milliseconds kListen{2500};  // rates need two statuses of every process
 constexpr std::chrono::milliseconds kRefresh{1000};
 
 void listen(Bus& bus, std::chrono::milliseconds duration) {

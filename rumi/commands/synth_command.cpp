@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi synth
+// rumi synth: renders a sequence of images with its true path.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -26,31 +26,33 @@ struct Flags {
   bool overwrite = false, quiet = false;
 };
 
-// Turns --size, --camera and --hard --at --for into options; returns what is wrong.
-std::string resolve(Flags& f) {
+// Sets options from --size, --camera, and --hard with --at and --for. An Error names the flag that is wrong.
+Result<> resolve(Flags& f) {
   if (!f.size.empty() && !f.camera_file.empty())
-    return "--size and --camera: give one of them, the camera file has a size";
+    return Error{"give one of them, the camera file has a size", "--size and --camera"};
   if (!f.size.empty()) {
     int width = 0, height = 0, used = 0;
     if (std::sscanf(f.size.c_str(), "%dx%d%n", &width, &height, &used) != 2 || used != static_cast<int>(f.size.size()))
-      return fmt::format("--size {}: must be WIDTHxHEIGHT, for example 640x480", f.size);
+      return Error{fmt::format("--size {}: must be WIDTHxHEIGHT, for example 640x480", f.size)};
     f.synth.camera = synth::default_synth_camera(width, height);
   }
   if (!f.camera_file.empty()) {
-    const CameraFileResult read = read_camera_file(f.camera_file);
-    if (!read.ok()) return read.error;
-    log_notes(read);
-    f.synth.camera = read.camera;
+    const Result<CameraFile> read = read_camera_file(f.camera_file);
+    if (!read) return read.error();
+    log_notes(*read);
+    f.synth.camera = read->camera;
   }
-  if (const std::string error = synth::parse_walk_kind(f.walk, &f.synth.walk); !error.empty()) return error;
+  const Result<synth::WalkKind> walk = synth::parse_walk_kind(f.walk);
+  if (!walk) return walk.error();
+  f.synth.walk = *walk;
   if (f.hard.size() != f.at_s.size() || f.hard.size() != f.for_s.size())
-    return fmt::format("--hard was given {} times, --at {} and --for {}: each hard passage needs all three",
-                       f.hard.size(), f.at_s.size(), f.for_s.size());
+    return Error{fmt::format("--hard was given {} times, --at {} and --for {}: each hard passage needs all three",
+                             f.hard.size(), f.at_s.size(), f.for_s.size())};
   f.synth.hard.clear();
   for (size_t i = 0; i < f.hard.size(); ++i) {
-    synth::HardPassage passage{synth::HardPassage::Kind::kBlur, f.at_s[i], f.for_s[i]};
-    if (const std::string error = synth::parse_hard_kind(f.hard[i], &passage.kind); !error.empty()) return error;
-    f.synth.hard.push_back(passage);
+    const Result<synth::HardPassage::Kind> kind = synth::parse_hard_kind(f.hard[i]);
+    if (!kind) return kind.error();
+    f.synth.hard.push_back({*kind, f.at_s[i], f.for_s[i]});
   }
   return f.synth.check();
 }
@@ -67,10 +69,9 @@ void render(Flags& f) {
   };
   std::signal(SIGINT, [](int) { g_stop = 1; });
   std::signal(SIGTERM, [](int) { g_stop = 1; });
-  if (const std::string error = synth::write_sequence(f.synth, f.folder, f.overwrite, progress); !error.empty()) {
-    if (live) fmt::print(stderr, "\n");
-    fail_if(error);
-  }
+  const Result<> written = synth::write_sequence(f.synth, f.folder, f.overwrite, progress);
+  if (!written && live) fmt::print(stderr, "\n");
+  fail_if(written);
   if (!f.quiet) fmt::print("{}: {} frames, {}x{}\n", f.folder, frames, f.synth.camera.width, f.synth.camera.height);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi up CONFIG: the five processes on LCM, started, watched and stopped together.
+// rumi up CONFIG: starts, watches and stops the five processes of a live system, which communicate by LCM.
 #include <fmt/format.h>
 
 #include <atomic>
@@ -31,7 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::chrono::milliseconds kListen{500};  // for others; all of them answer at once
+constexpr std::chrono::milliseconds kListen{500};  // time in which another system must answer
 
 std::string default_url() {
   const char* variable = std::getenv("LCM_DEFAULT_URL");
@@ -42,80 +42,82 @@ std::atomic<bool> g_stop = false, g_at_once = false, g_reload = false;
 
 void listen_to_signals() {
   struct sigaction action {};
-  // Who asks twice does not want to wait.
+  // A second Ctrl-C ends everything at once.
   action.sa_handler = [](int) {
     if (g_stop.exchange(true)) g_at_once = true;
   };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-  // The terminal was closed, which the kernel and the shell both tell: what was asked for is written all the same.
+  // A closed terminal may send two SIGHUP, one by the kernel and one by the shell. The second one must not end
+  // everything at once.
   action.sa_handler = [](int) { g_stop = true; };
   sigaction(SIGHUP, &action, nullptr);
   action.sa_handler = [](int) { g_reload = true; };
   sigaction(SIGUSR2, &action, nullptr);
 }
 
-// Not by fmt::print, which throws where nobody reads any more: a terminal that was closed.
+// Unlike fmt::print, fputs does not throw if the terminal was closed.
 void say(const std::string& name, const std::string& line) {
   std::fputs(fmt::format("{:>16}| {}\n", name, line).c_str(), stderr);
 }
 
-// The first thing that is said, and --fresh. Throws std::runtime_error with a message for the user.
+// Tells the user whether the map goes on, and sets it aside for --fresh. Throws std::runtime_error if the map cannot be
+// used.
 void tell_of_map(const AllOptions& options, bool fresh) {
   const std::string& database = options.map_server.database;
   if (options.map_server.localize_only && !is_file(database))
     throw std::runtime_error("map_server.localize_only needs a map: name its file with map_server.database");
   if (!is_file(database)) return;
-  const std::optional<std::string> before = fresh ? std::nullopt : describe_map_before(database);
+  const std::string before = fresh ? "" : value_or_fail(describe_map_before(database));
   if (options.map_server.localize_only && !fs::exists(database))
     throw std::runtime_error(fmt::format("{}: there is no such file to localize in (map_server.database)", database));
-  if (options.map_server.localize_only && !before)
+  if (options.map_server.localize_only && before.empty())
     throw std::runtime_error(
         fmt::format("{}: there is no map in it to localize in (map_server.localize_only)", database));
   if (options.map_server.localize_only) {
-    say("rumi", fmt::format("map: {}, {}, stays as it is", database, *before));
+    say("rumi", fmt::format("map: {}, {}, stays as it is", database, before));
   } else if (fresh) {
-    const std::string aside = set_aside(database, options.ruminator.spool);
+    const std::string aside = value_or_fail(set_aside(database, options.ruminator.spool));
     say("rumi", fmt::format("map: {}, a new one{}", database,
                             aside.empty() ? "" : fmt::format("; that of before is {} now", aside)));
-  } else if (before) {
-    say("rumi", fmt::format("map: {} goes on, {}; --fresh begins anew", database, *before));
+  } else if (!before.empty()) {
+    say("rumi", fmt::format("map: {} goes on, {}; --fresh begins anew", database, before));
   } else {
     say("rumi", fmt::format("map: {}, a new one", database));
   }
 }
 
-// What would end all again soon after its start, and disturb others meanwhile. Returns it for a person, or an empty
-// string; throws std::runtime_error for the same.
-std::string why_not_here(const AllOptions& options) {
+// An Error if the map is in use, the bus cannot be opened, or another system is on it. Such a system must not even
+// start: it would disturb others before it ends.
+Result<> check_place(const AllOptions& options) {
   const UpOptions& up = options.up;
   const std::string& database = options.map_server.database;
-  if (is_file(database) && !options.map_server.localize_only) const map_server::DatabaseLock is_free(database);
+  if (is_file(database) && !options.map_server.localize_only)
+    if (const auto free = map_server::DatabaseLock::take(database); !free) return free.error();
   ChannelNames names;
   names.prefix = up.channel_prefix;
   names.camera = up.channel;
-  std::string error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(up.lcm_url.empty() ? default_url() : up.lcm_url, names, &error);
-  if (!bus) return error;
+  const Result<std::unique_ptr<LcmBus>> bus = LcmBus::open(up.lcm_url.empty() ? default_url() : up.lcm_url, names);
+  if (!bus) return bus.error();
   const std::string camera_channel = up.input.empty() ? "" : names.on_wire(channels::kCamera);
-  return find_other_system(*bus, {{"map_server", "ruminator", "front_tracker"}, camera_channel}, kListen);
+  return find_other_system(**bus, {{"map_server", "ruminator", "front_tracker"}, camera_channel}, kListen);
 }
 
-// A live system goes on for who knows how long.
+// Warns if the disk has no room for 1000 images. The length of a live run is unknown.
 void warn_of_little_space(const std::string& database) {
   constexpr int64_t kImages = 1000;
   const fs::path folder = fs::absolute(database).parent_path();
   if (const std::string doubt = doubt_about_space(folder.string(), kImages); !doubt.empty()) log_warning("{}", doubt);
 }
 
-// On SIGUSR2. True if the shared options are new.
+// Reads the options again after SIGUSR2. True if they were good; then `config` has them.
 bool read_again(UpArguments arguments, const SharedConfig& config) {
   AllOptions options;
   OptionTable table;
-  const std::string error = read_options(&arguments, &options, &table);
-  if (error.empty()) config.write(table.to_yaml(OptionTable::Which::kAll));
-  if (!error.empty()) complain("up", "options read again, but not used: " + error);
-  return error.empty();
+  const Result<> read = read_options(&arguments, &options, &table);
+  if (read) config.write(table.to_yaml(OptionTable::Which::kAll));
+  if (!read) complain("up", "options read again, but not used: " + read.error().text());
+  return read.has_value();
 }
 
 int up(UpArguments& arguments) {
@@ -125,7 +127,7 @@ int up(UpArguments& arguments) {
   refuse_if(read_options(&arguments, &options, &table));
   listen_to_signals();
   start_logging("rumi", false, /*quiet=*/true);
-  fail_if(why_not_here(options));
+  fail_if(check_place(options));
   if (!arguments.snapshot.empty()) {
     fail_if(check_mask_stays(options.camera_driver.mask, options.up.input, arguments.snapshot));
     fail_if(check_output_folder(arguments.snapshot));
@@ -138,26 +140,28 @@ int up(UpArguments& arguments) {
   SupervisorOptions supervision;
   supervision.settle = std::chrono::milliseconds(std::llround(options.up.settle_s * 1e3));
   Supervisor supervisor(processes(options.up, config.file(), arguments), supervision, say);
-  // Once while everybody can still say how it went, and once when the last poses have arrived.
+  // The first snapshot is taken while all processes except the source can still tell their status, the last one when
+  // the last poses have arrived.
   Supervisor::Hooks hooks;
   hooks.reload = [&] { return g_reload.exchange(false) && read_again(arguments, config); };
-  std::string snapshot_error = arguments.snapshot.empty() ? "" : "no snapshot was written, as all was to end at once";
+  Result<> snapshot_taken;
+  if (!arguments.snapshot.empty()) snapshot_taken = Error{"no snapshot was written, as all was to end at once"};
   const auto snapshot = [&](bool is_last) {
-    snapshot_error = supervisor.run_beside(
+    snapshot_taken = supervisor.run_beside(
         snapshot_process(options, config.file(), arguments.snapshot, begin_us, is_last), g_at_once);
   };
   if (!arguments.snapshot.empty()) {
     hooks.before_stop = [&] { snapshot(false); };
     hooks.before_last_stage = [&] { snapshot(true); };
   }
-  std::string error = supervisor.run(g_stop, g_at_once, hooks);
-  if (error.empty()) error = snapshot_error;
-  if (error.empty() && arguments.snapshot.empty() && is_file(options.map_server.database))
+  Result<> result = supervisor.run(g_stop, g_at_once, hooks);
+  if (result) result = snapshot_taken;
+  if (result && arguments.snapshot.empty() && is_file(options.map_server.database))
     say("rumi", fmt::format("map: {0}; `rumi export-map {0} -o FOLDER --format tum` writes its poses",
                             options.map_server.database));
-  if (!error.empty()) complain("up", error);
+  if (!result) complain("up", result.error().text());
   for (const std::string& complaint : supervisor.complaints()) complain("up", complaint);
-  return !error.empty() ? 1 : supervisor.not_all() ? kNotAll : 0;
+  return !result ? 1 : supervisor.not_all() ? kNotAll : 0;
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ std::vector<Supervised> processes(const UpOptions& up, const std::string& config
     if (arguments.quiet) child.command.push_back("--quiet");
     children.push_back(std::move(child));
   };
-  // Listeners first, the source last.
+  // Processes that listen are started first, the source of images last.
   const std::string& calibration = arguments.calibration;
   add("map_server", 1);
   add("ruminator", 0, calibration.empty() ? Words() : Words{"--set", "ruminator.camera_file=" + calibration});
@@ -70,7 +70,8 @@ std::vector<Supervised> processes(const UpOptions& up, const std::string& config
     add("camera_driver", 0, {up.input});
     children.back().source = true;
     children.back().reloads = true;
-    children.back().fails_once = !camera_driver::is_camera(up.input);  // a camera may be plugged in again
+    children.back().fails_once =
+        !camera_driver::is_camera(up.input);  // a camera may be plugged in again, so it is restarted
   }
   return children;
 }

@@ -11,15 +11,15 @@
 
 namespace rumi::tool {
 
-// The options as all processes are to have them, in a file that lives as long as this object.
+// A file with the options of all processes, which lives as long as this object.
 class SharedConfig {
  public:
-  // Throws std::runtime_error.
+  // Makes the file. Throws std::runtime_error if it cannot be written.
   explicit SharedConfig(const std::string& yaml);
   ~SharedConfig();
   SharedConfig(const SharedConfig&) = delete;
   SharedConfig& operator=(const SharedConfig&) = delete;
-  // Throws std::runtime_error.
+  // Replaces the content of the file. Throws std::runtime_error if it cannot be written.
   void write(const std::string& yaml) const;
   const std::string& file() const { return file_; }
 
@@ -27,11 +27,13 @@ class SharedConfig {
   std::string file_;
 };
 
-// map_server is stopped after the others, so that what they hand on at their end still arrives.
+// Returns the processes in the order of their start. map_server is stopped after the others, so that it receives what
+// they send at their end.
 std::vector<Supervised> processes(const UpOptions& up, const std::string& config_file, const UpArguments& arguments);
 
-// The last one tells what it wrote; --update: what an earlier one knew stays.
-// It gets the colours of a recording, if that is played as it is.
+// Returns the process that takes a snapshot. If `is_last`, it prints a summary, keeps the status of processes that have
+// ended since the first snapshot (--update), and takes the landmarks' colours from the recording if that is played once
+// and with its own times.
 Supervised snapshot_process(const AllOptions& options, const std::string& config_file, const std::string& out,
                             int64_t since_us, bool is_last);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi view MAP -o PNG: a picture of a map.
+// rumi view MAP -o PNG: draws a map.
 #include <fmt/format.h>
 
 #include <map>

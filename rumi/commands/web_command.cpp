@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi web: a running system in a browser.
+// rumi web: shows a running system in a browser.
 #include <fmt/format.h>
 
 #include <atomic>
@@ -20,7 +20,7 @@ namespace rumi::tool {
 namespace {
 
 constexpr int kMaxPort = 65535;
-constexpr int kWaitMs = 20;  // for messages
+constexpr int kWaitMs = 20;  // how long one dispatch waits for messages
 
 struct Arguments : BusFlags {
   int port = 8642;

@@ -12,13 +12,17 @@ namespace rumi::tool {
 namespace {
 
 struct Quantiles {
-  double one, two;  // deviations that a Gaussian stays within with the probability of one and two in one dimension
+  // Errors, in deviations of one coordinate, that a Gaussian does not exceed with probability .683 and .954.
+  double one, two;
 };
 constexpr Quantiles kOneDimension{1, 2};
 constexpr Quantiles kThreeDimensions{1.8779, 2.8328};
-constexpr size_t kFewestAround = 9;      // poses, to align them
-constexpr double kLeastMotion = 5;       // of the poses around, in deviations of one: else they tell no unit
-constexpr double kLeastLogLength = 0.1;  // deviation of a step's length: a rougher one tells nothing of scale
+constexpr size_t kFewestAround = 9;  // poses that an alignment needs
+// RMS distance of the aligned poses from their mean / deviation of the pose; else the unit is unknown.
+constexpr double kLeastMotion = 5;
+// The change of scale is measured by two successive steps only if the log ratio of their lengths has a smaller standard
+// deviation than this.
+constexpr double kLeastLogLength = 0.1;
 
 class Counter {
  public:
@@ -61,7 +65,7 @@ std::vector<Compared> compare(const std::vector<ToldPose>& submap, const std::ve
   return compared;
 }
 
-// Some truths are positions only.
+// True if the true rotation changes. It does not in a truth that has only positions.
 bool turns(const std::vector<Compared>& poses) {
   return std::any_of(poses.begin(), poses.end(), [&](const Compared& p) {
     return p.truth.rotation.angularDistance(poses.front().truth.rotation) > 1e-6;
@@ -79,7 +83,7 @@ class Comparison {
     for (size_t i = 0; i < poses.size(); ++i) {
       while (poses[i].utime_us - poses[begin].utime_us > interval_us_) ++begin;
       while (end < poses.size() && poses[end].utime_us - poses[i].utime_us <= interval_us_) ++end;
-      // At a low rate more of them, on both sides.
+      // At a low frame rate the interval is extended on both sides, so that there are enough poses.
       const size_t first = std::min(begin, i - std::min(i, kFewestAround / 2));
       const size_t last = std::min(poses.size(), std::max(end, i + kFewestAround / 2 + 1));
       if (last - first < kFewestAround) continue;
@@ -115,7 +119,7 @@ class Comparison {
     const std::optional<Sim3> aligned = umeyama(estimated, actual, true);
     if (!aligned || !(aligned->scale > 0) || spread < kLeastMotion * kLeastMotion * poses[i].position_variance) return;
     const double error = (*aligned * poses[i].pose.translation - poses[i].truth.translation).norm() / aligned->scale;
-    // The alignment has seven freedoms, which the errors are the smaller for.
+    // The alignment has seven parameters, which make the errors smaller than the deviations say.
     position_.add(error, (1 - 7 / (3 * n)) * poses[i].position_variance);
   }
 
@@ -134,20 +138,20 @@ class Comparison {
   }
 
   struct Step {
-    size_t end = 0;  // 0: none
+    size_t end = 0;  // index of the later pose; 0: there is no step
     double log_ratio = 0, variance = 0, log_scale_variance = 0;
   };
 
-  // From each pose to the one an interval later.
+  // Returns for each pose the step to the pose one interval later.
   std::vector<Step> steps_of(const std::vector<Compared>& poses) const {
     std::vector<Step> steps(poses.size());
     size_t later = 0;
     for (size_t i = 0; i < poses.size(); ++i) {
-      // A millisecond early is not early: periods such as 33,333 us do not add up to a second.
+      // The later pose may be a millisecond too early: periods such as 33,333 us do not add up to a second.
       while (later < poses.size() && poses[later].utime_us - poses[i].utime_us < interval_us_ - 1000) ++later;
       if (later == poses.size()) break;
       const Compared &a = poses[i], &b = poses[later];
-      if (b.utime_us - a.utime_us > 3 * interval_us_ / 2) continue;  // a gap
+      if (b.utime_us - a.utime_us > 3 * interval_us_ / 2) continue;  // frames are missing
       const double length = (b.pose.translation - a.pose.translation).norm();
       const double true_length = (b.truth.translation - a.truth.translation).norm();
       if (!(length > 0) || !(true_length > 0)) continue;
@@ -165,7 +169,7 @@ class Comparison {
       const Step& next = steps[step.end];
       const double lengths = step.variance + next.variance;
       if (lengths > kLeastLogLength * kLeastLogLength) continue;
-      // The variance falls, too, where the camera returns to what it saw earlier.
+      // The variance may also fall: when the camera returns to a place.
       log_scale_.add(std::abs(next.log_ratio - step.log_ratio),
                      lengths + std::abs(next.log_scale_variance - step.log_scale_variance));
     }

@@ -22,7 +22,7 @@ int64_t median_period_us(const std::vector<TimedPose>& poses) {
   return median(&periods);
 }
 
-// Of the box that holds the path, corner to corner.
+// Returns the diagonal of the box that holds the path.
 double extent(const std::vector<TimedPose>& path) {
   Eigen::AlignedBox3d box;
   for (const TimedPose& pose : path) box.extend(pose.map_from_cam.translation);
@@ -42,15 +42,15 @@ double rmse_after(const Sim3& truth_from_estimate, const std::vector<Eigen::Vect
   return rmse(distances);
 }
 
-// Of what does not move neither size nor direction is known.
+// True if the path does not move. Then it has neither size nor direction to be aligned by.
 bool is_one_place(const std::vector<Eigen::Vector3d>& places) {
-  constexpr double kSmallest = 1e-6;  // of a path, m
+  constexpr double kSmallest = 1e-6;  // m between two poses
   return std::all_of(places.begin(), places.end(),
                      [&places](const Eigen::Vector3d& place) { return (place - places[0]).norm() < kSmallest; });
 }
 
-// Compares the motion over the interval, from every pose that has another one that much later (a pose or so more does
-// no harm where frames are missing; a gap does).
+// Compares the motion over the interval, from every pose that has another pose one interval later. That pose may be
+// late by one frame period, because a frame may be missing, but not by more.
 void relative_errors(const std::vector<TimedPose>& estimate, const std::vector<TimedPose>& truth,
                      const std::vector<std::pair<size_t, size_t>>& pairs, double scale, const MetricOptions& options,
                      TrajectoryMetrics* metrics) {
@@ -60,7 +60,7 @@ void relative_errors(const std::vector<TimedPose>& estimate, const std::vector<T
   size_t later = 0;
   for (const auto& [e0, t0] : pairs) {
     const int64_t wanted_us = estimate[e0].utime_us + interval_us;
-    // A millisecond early is not early: periods such as 33,333 us do not add up to a second.
+    // The later pose may be a millisecond too early: periods such as 33,333 us do not add up to a second.
     while (later < pairs.size() && estimate[pairs[later].first].utime_us < wanted_us - 1000) ++later;
     if (later == pairs.size()) break;
     const auto& [e1, t1] = pairs[later];
@@ -78,6 +78,34 @@ void relative_errors(const std::vector<TimedPose>& estimate, const std::vector<T
   }
   metrics->rpe_trans_m = rmse(translations);
   metrics->rpe_rot_deg = rmse(rotations);
+}
+
+// Sets the errors after alignment. Returns why there are none, or an empty string if there are.
+std::string absolute_errors(const std::vector<Eigen::Vector3d>& estimated, const std::vector<Eigen::Vector3d>& actual,
+                            TrajectoryMetrics* metrics) {
+  if (is_one_place(actual))
+    return fmt::format(
+        "the truth of all {} poses is one and the same place: did the tracker stand still, or are these other columns?",
+        actual.size());
+  const std::optional<Sim3> similarity = umeyama(estimated, actual, true);
+  const std::optional<Sim3> rigid = umeyama(estimated, actual, false);
+  if (!similarity || !rigid) return fmt::format("{} poses that all are in one place cannot be aligned", actual.size());
+  const double ate_m = rmse_after(*similarity, estimated, actual), rigid_m = rmse_after(*rigid, estimated, actual);
+  if (!std::isfinite(ate_m) || !std::isfinite(rigid_m)) return "some positions are too large to be computed with";
+  metrics->truth_from_estimate = *similarity;
+  metrics->ate_rmse_m = ate_m;
+  metrics->ate_se3_rmse_m = rigid_m;
+  return {};
+}
+
+double true_rate_of(const RunMetrics& metrics, const std::set<int64_t>& times, double true_distance_m) {
+  int true_frames = 0;
+  for (const PoseError& error : metrics.map.errors)
+    if (error.distance_m <= true_distance_m) true_frames += static_cast<int>(times.count(error.utime_us));
+  // Images without a time are taken to have a truth as often as the others.
+  const double may_be_true =
+      static_cast<double>(metrics.frames) * metrics.frames_with_truth / static_cast<double>(times.size());
+  return std::min(1.0, true_frames / may_be_true);
 }
 
 }  // namespace
@@ -114,32 +142,15 @@ TrajectoryMetrics evaluate_trajectory(const std::vector<TimedPose>& estimate, co
     actual.push_back(truth[t].map_from_cam.translation);
   }
   for (size_t i = 1; i < actual.size(); ++i) metrics.path_m += (actual[i] - actual[i - 1]).norm();
-  if (is_one_place(actual)) {
-    metrics.reason = fmt::format(
-        "the truth of all {} poses is one and the same place: did the tracker stand still, or are these other columns?",
-        pairs.size());
-    return metrics;
-  }
-  const std::optional<Sim3> similarity = umeyama(estimated, actual, true);
-  const std::optional<Sim3> rigid = umeyama(estimated, actual, false);
-  if (!similarity || !rigid) {
-    metrics.reason = fmt::format("{} poses that all are in one place cannot be aligned", pairs.size());
-    return metrics;
-  }
-  const double ate_m = rmse_after(*similarity, estimated, actual), rigid_m = rmse_after(*rigid, estimated, actual);
-  if (!std::isfinite(ate_m) || !std::isfinite(rigid_m)) {
-    metrics.reason = "some positions are too large to be computed with";
-    return metrics;
-  }
-  metrics.truth_from_estimate = *similarity;
-  metrics.ate_rmse_m = ate_m;
-  metrics.ate_se3_rmse_m = rigid_m;
+  metrics.reason = absolute_errors(estimated, actual, &metrics);
+  if (!metrics.reason.empty()) return metrics;
+  const Sim3& aligned_by = *metrics.truth_from_estimate;
   for (size_t i = 0; i < pairs.size(); ++i) {
-    const Eigen::Vector3d aligned = *similarity * estimated[i];
+    const Eigen::Vector3d aligned = aligned_by * estimated[i];
     metrics.errors.push_back({estimate[pairs[i].first].utime_us, aligned, actual[i], (aligned - actual[i]).norm()});
   }
   if (options.truth_has_rotations)
-    relative_errors(estimate, truth, pairs, similarity->scale, options, &metrics);
+    relative_errors(estimate, truth, pairs, aligned_by.scale, options, &metrics);
   else
     metrics.reason = "the truth has no rotations";
   return metrics;
@@ -167,18 +178,12 @@ RunMetrics evaluate_run(const std::vector<TimedPose>& map, const std::vector<std
   at_frames.reserve(times.size());
   for (const int64_t utime_us : times) at_frames.push_back({utime_us, SE3()});
   metrics.frames_with_truth = static_cast<int>(associate(at_frames, truth, options).size());
-  // Images without a time are taken to have a truth as often as the others.
-  const double may_be_true = all * metrics.frames_with_truth / static_cast<double>(times.size());
-
-  // Without an alignment nothing is known of the poses there are; without poses no frame is true, and that is known.
-  int true_frames = 0;
-  for (const PoseError& error : metrics.map.errors) {
-    if (error.distance_m <= options.true_distance_m) true_frames += static_cast<int>(times.count(error.utime_us));
-  }
+  // If the map has poses but cannot be aligned, it is unknown which frames are true. If it has no poses, none is.
   const bool is_known = metrics.map.truth_from_estimate || map.empty();
-  // Where all of the truth is as near as that, every pose is.
+  // If the whole truth is not longer than true_distance_m, every pose would count as true.
   const bool tells_anything = extent(truth) > options.true_distance_m;
-  if (is_known && tells_anything && may_be_true > 0) metrics.true_rate = std::min(1.0, true_frames / may_be_true);
+  if (is_known && tells_anything && metrics.frames_with_truth > 0)
+    metrics.true_rate = true_rate_of(metrics, times, options.true_distance_m);
 
   std::set<int64_t> in_a_submap;
   for (const auto& submap : submaps) {

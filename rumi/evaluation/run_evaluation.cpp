@@ -22,19 +22,21 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
+using Submaps = std::map<std::string, std::vector<TimedPose>>;  // by name of the submap's file
+
 template <class T>
 ordered_json or_null(const std::optional<T>& value) {
   return value ? ordered_json(*value) : ordered_json();
 }
 
-// What the run said of itself; its absence is no reason not to evaluate the trajectory.
+// Returns run.json; an empty object if it cannot be read, as the trajectory can be evaluated without it.
 ordered_json read_run(const fs::path& run_json) {
   std::ifstream in(run_json);
   ordered_json run = ordered_json::parse(in, nullptr, /*allow_exceptions=*/false);
   return run.is_object() ? run : ordered_json::object();
 }
 
-// The poses of `map` at the times of `submap`; both by time.
+// Returns the poses of `map` at the times of the poses of `submap`. Both are sorted by time.
 std::vector<TimedPose> at_times_of(const std::vector<TimedPose>& submap, const std::vector<TimedPose>& map) {
   std::vector<TimedPose> poses;
   const auto earlier = [](const TimedPose& a, const TimedPose& b) { return a.utime_us < b.utime_us; };
@@ -42,18 +44,18 @@ std::vector<TimedPose> at_times_of(const std::vector<TimedPose>& submap, const s
   return poses;
 }
 
-// The poses that frames.csv has deviations of, by submap: as the map has them where the frame is in the map, else as
-// its submap has them, for so are the deviations. A submap of another session than the map's has a file of another
-// name.
+// Returns the poses for which frames.csv has deviations, one list per submap. A frame in the map has its pose and its
+// deviations in the map's unit, any other frame in its submap's. Submaps of other sessions are not found, because their
+// files have other names.
 std::vector<std::vector<ToldPose>> told_poses(const std::vector<InputFrame>& frames, const std::vector<TimedPose>& map,
-                                              const std::map<std::string, const std::vector<TimedPose>*>& submaps) {
+                                              const Submaps& submaps) {
   std::map<std::pair<int, bool>, std::vector<ToldPose>> told;
   for (const InputFrame& frame : frames) {
     if (!frame.sigmas.are_known()) continue;
     const std::string name = fmt::format("{}{:03}", frame.submap < 0 ? "b" : "", std::abs(int64_t{frame.submap}));
     const auto file = submaps.find(name);
     if (!frame.in_map && file == submaps.end()) continue;
-    const std::vector<TimedPose>& poses = frame.in_map ? map : *file->second;
+    const std::vector<TimedPose>& poses = frame.in_map ? map : file->second;
     const auto pose = std::lower_bound(poses.begin(), poses.end(), frame.utime_us,
                                        [](const TimedPose& p, int64_t utime_us) { return p.utime_us < utime_us; });
     if (pose == poses.end() || pose->utime_us != frame.utime_us) continue;
@@ -90,7 +92,7 @@ std::string span(int64_t first_us, int64_t last_us) {
                      static_cast<double>(last_us) * 1e-6);
 }
 
-// Of images and truths whose times do not meet, or hardly.
+// Returns how many images have a truth, and the times of both, for a note or an error.
 std::string how_they_meet(const std::string& file, const TruthFile& truth, const RunTimes& run,
                           const RunMetrics& metrics) {
   return fmt::format("{}: {} of {} images have a truth: the images are {}, the truth is {}", file,
@@ -105,10 +107,10 @@ std::string advice(const TruthFile& truth, const RunTimes& run) {
                  : "give the truth of this recording, in the clock of its images";
 }
 
-// Errors and rates are in metres, and nothing in a file of poses says its unit. No camera of a hand, robot or car is so
-// quick as one whose path is told in millimetres.
+// Returns a doubt, or an empty string. Errors and rates are in metres, but a file of poses does not name its unit. A
+// path in millimetres is recognized by its speed, which no hand, robot or car reaches.
 std::string doubt_about_unit(const std::vector<TimedPose>& truth) {
-  constexpr double kQuickest = 40;  // m/s
+  constexpr double kQuickest = 40;  // m/s; a path with a higher median speed is doubtful
   std::vector<double> speeds;
   for (size_t i = 1; i < truth.size(); ++i)
     if (const int64_t step_us = truth[i].utime_us - truth[i - 1].utime_us; step_us > 0)
@@ -122,7 +124,8 @@ std::string doubt_about_unit(const std::vector<TimedPose>& truth) {
       speed);
 }
 
-// As asked for; otherwise tells where a shift would do much better.
+// Shifts the truth by the given time, or by the best one if none is given. Adds a note if another shift than the given
+// one would be much better.
 void shift_truth(const TruthOptions& asked, const std::vector<TimedPose>& map, const MetricOptions& options,
                  TruthFile* truth, RunEvaluation* evaluation) {
   evaluation->truth_shift_s = asked.shift_s.value_or(0);
@@ -143,74 +146,98 @@ void shift_truth(const TruthOptions& asked, const std::vector<TimedPose>& map, c
     truth->notes.push_back(fmt::format("the truth is shifted by {:+.2f} s", evaluation->truth_shift_s));
 }
 
-}  // namespace
-
-std::string evaluate_folder(const std::string& folder, const std::string& groundtruth,
-                            const TruthOptions& truth_options, const MetricOptions& asked_metrics,
-                            RunEvaluation* evaluation, const ReadTruth& read_truth) {
-  const fs::path out = folder;
-  const TrajectoryFile map = read_trajectory((out / "trajectory.txt").string());
-  if (!map.ok()) return map.error;
-  const FramesFile frames = read_frames((out / "frames.csv").string());
-  if (!frames.ok()) return frames.error;
-  const std::optional<RunTimes> run_times = times_of(frames.frames);
-  TruthOptions with_times = truth_options;
-  with_times.run = run_times;
-  TruthFile truth = read_truth(groundtruth, with_times);
-  if (!truth.ok()) return truth.error;
-  MetricOptions metric_options = asked_metrics;
-  metric_options.truth_has_rotations = truth.has_rotations;
-  shift_truth(truth_options, map.poses, metric_options, &truth, evaluation);
-
+Result<Submaps> read_submaps(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code no_folder;
-  for (const auto& entry : fs::directory_iterator(out / "submaps", no_folder)) {
+  for (const auto& entry : fs::directory_iterator(folder, no_folder))
     if (entry.path().extension() == ".txt") files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  std::vector<std::vector<TimedPose>> submaps;
+  Submaps submaps;
   for (const fs::path& file : files) {
-    const TrajectoryFile submap = read_trajectory(file.string());
-    if (!submap.ok()) return submap.error;
-    submaps.push_back(submap.poses);
-    evaluation->submaps.push_back(
-        {file.stem().string(), evaluate_trajectory(submap.poses, truth.poses, metric_options),
-         evaluate_trajectory(at_times_of(submap.poses, map.poses), truth.poses, metric_options).ate_rmse_m});
+    TrajectoryFile submap = read_trajectory(file.string());
+    if (!submap.ok()) return Error{submap.error};
+    submaps[file.stem().string()] = std::move(submap.poses);
   }
-  std::map<std::string, const std::vector<TimedPose>*> by_name;
-  for (size_t i = 0; i < files.size(); ++i) by_name[files[i].stem().string()] = &submaps[i];
-  evaluation->honesty = evaluate_honesty(told_poses(frames.frames, map.poses, by_name), truth.poses, metric_options);
-  const ordered_json run = read_run(out / "run.json");
-  const int images = run.contains("images") && run["images"].is_number() ? run["images"].get<int>() : 0;
-  evaluation->run = evaluate_run(map.poses, submaps, frames.frames, truth.poses, metric_options, images);
-  const RunMetrics& metrics = evaluation->run;
-  evaluation->notes = truth.notes;
+  return submaps;
+}
+
+std::vector<std::vector<TimedPose>> poses_of(const Submaps& submaps) {
+  std::vector<std::vector<TimedPose>> poses;
+  for (const auto& [name, submap] : submaps) poses.push_back(submap);
+  return poses;
+}
+
+std::vector<SubmapResult> evaluate_submaps(const Submaps& submaps, const std::vector<TimedPose>& map,
+                                           const std::vector<TimedPose>& truth, const MetricOptions& options) {
+  std::vector<SubmapResult> results;
+  for (const auto& [name, poses] : submaps)
+    results.push_back({name, evaluate_trajectory(poses, truth, options),
+                       evaluate_trajectory(at_times_of(poses, map), truth, options).ate_rmse_m});
+  return results;
+}
+
+int images_of(const ordered_json& run) {
+  return run.contains("images") && run["images"].is_number() ? run["images"].get<int>() : 0;
+}
+
+std::vector<std::string> notes_on(const TruthFile& truth, const RunMetrics& metrics, const MetricOptions& options) {
+  std::vector<std::string> notes = truth.notes;
   if (metrics.map.ate_rmse_m && metrics.frames_with_truth > 0 && !metrics.true_rate)
-    evaluation->notes.push_back(
+    notes.push_back(
         fmt::format("all of the truth lies within {:g} m, so that true_rate would tell nothing: ask with a smaller "
                     "--true-distance",
-                    metric_options.true_distance_m));
-  if (const std::string doubt = doubt_about_unit(truth.poses); !doubt.empty()) evaluation->notes.push_back(doubt);
-  if (map.skipped_lines > 0)
-    evaluation->notes.push_back(fmt::format(
-        "{}: {} lines are not counted: they are no poses, or have the time of another one (as two sessions may whose "
-        "clock was set back)",
-        (out / "trajectory.txt").string(), map.skipped_lines));
-  evaluation->truth_has_rotations = truth.has_rotations;
-  if (run_times && metrics.frames >= 3) {
-    const std::string meeting = how_they_meet(groundtruth, truth, *run_times, metrics);
-    if (metrics.frames_with_truth < 3) {
-      std::string notes;
-      for (const std::string& note : truth.notes) notes += "\n  " + note;
-      return fmt::format("{}; {}{}", meeting, advice(truth, *run_times), notes);
-    }
-    if (2 * metrics.frames_with_truth < metrics.frames) evaluation->notes.push_back(meeting);
+                    options.true_distance_m));
+  if (std::string doubt = doubt_about_unit(truth.poses); !doubt.empty()) notes.push_back(std::move(doubt));
+  return notes;
+}
+
+std::string note_on_skipped(const fs::path& file, const TrajectoryFile& map) {
+  return fmt::format(
+      "{}: {} lines are not counted: they are no poses, or have the time of another one (as two sessions may whose "
+      "clock was set back)",
+      file.string(), map.skipped_lines);
+}
+
+std::string no_meeting(const std::string& meeting, const TruthFile& truth, const RunTimes& run) {
+  std::string text = fmt::format("{}; {}", meeting, advice(truth, run));
+  for (const std::string& note : truth.notes) text += "\n  " + note;
+  return text;
+}
+
+}  // namespace
+
+Result<RunEvaluation> evaluate_folder(const std::string& folder, const std::string& groundtruth,
+                                      const EvaluationOptions& options) {
+  const fs::path out = folder;
+  const TrajectoryFile map = read_trajectory((out / "trajectory.txt").string());
+  if (!map.ok()) return Error{map.error};
+  const FramesFile frames = read_frames((out / "frames.csv").string());
+  if (!frames.ok()) return Error{frames.error};
+  TruthOptions truth_options = options.truth;
+  truth_options.run = times_of(frames.frames);
+  TruthFile truth = options.read_truth(groundtruth, truth_options);
+  if (!truth.ok()) return Error{truth.error};
+  MetricOptions metrics = options.metrics;
+  metrics.truth_has_rotations = truth.has_rotations;
+  RunEvaluation evaluation;
+  shift_truth(options.truth, map.poses, metrics, &truth, &evaluation);
+  const Result<Submaps> submaps = read_submaps(out / "submaps");
+  if (!submaps) return submaps.error();
+  evaluation.submaps = evaluate_submaps(*submaps, map.poses, truth.poses, metrics);
+  evaluation.honesty = evaluate_honesty(told_poses(frames.frames, map.poses, *submaps), truth.poses, metrics);
+  const ordered_json run = read_run(out / "run.json");
+  evaluation.run = evaluate_run(map.poses, poses_of(*submaps), frames.frames, truth.poses, metrics, images_of(run));
+  evaluation.notes = notes_on(truth, evaluation.run, metrics);
+  if (map.skipped_lines > 0) evaluation.notes.push_back(note_on_skipped(out / "trajectory.txt", map));
+  if (truth_options.run && evaluation.run.frames >= 3) {
+    const std::string meeting = how_they_meet(groundtruth, truth, *truth_options.run, evaluation.run);
+    if (evaluation.run.frames_with_truth < 3) return Error{no_meeting(meeting, truth, *truth_options.run)};
+    if (2 * evaluation.run.frames_with_truth < evaluation.run.frames) evaluation.notes.push_back(meeting);
   }
-  evaluation->truth = std::move(truth.poses);
-  if (run.contains("cpu_ms_per_frame") && run["cpu_ms_per_frame"].is_object()) {
-    evaluation->cpu_ms_per_frame = run["cpu_ms_per_frame"];
-  }
-  return "";
+  evaluation.truth_has_rotations = truth.has_rotations;
+  evaluation.truth = std::move(truth.poses);
+  if (run.contains("cpu_ms_per_frame") && run["cpu_ms_per_frame"].is_object())
+    evaluation.cpu_ms_per_frame = run["cpu_ms_per_frame"];
+  return evaluation;
 }
 
 ordered_json to_json(const RunEvaluation& evaluation) {

@@ -11,16 +11,17 @@
 namespace rumi::tool {
 namespace {
 
-constexpr int kFarthest = 1000, kCoarse = 5;  // steps of 0.01 s
+// In steps of kStepS: the largest shift, and the step of the coarse search.
+constexpr int kFarthest = 1000, kCoarse = 5;
 constexpr double kStepS = 0.01;
-constexpr double kClearlySmaller = 0.5;      // error with a shift / error without
-constexpr double kNearlyAsGood = 1.5;        // error of another shift / error of the best
-constexpr double kBasin = 0.75;              // up to here errors belong to the same minimum
-constexpr double kKeepTruth = 0.7;           // of the poses that have a truth without a shift
-constexpr int64_t kLongestStepUs = 250'000;  // of a truth that is interpolated
-constexpr size_t kPoses = 400;               // as many tell the shift
+constexpr double kClearlySmaller = 0.5;      // ATE with the shift / ATE without, at most
+constexpr double kNearlyAsGood = 1.5;        // shifts around the best one with a ratio up to this belong to its minimum
+constexpr double kBasin = 0.75;              // error ratio up to which shifts around the best one belong to its minimum
+constexpr double kKeepTruth = 0.7;           // share of the poses with a truth that must still have one after the shift
+constexpr int64_t kLongestStepUs = 250'000;  // between two poses of the truth that are interpolated, at most
+constexpr size_t kPoses = 400;               // poses that are compared, at most
 
-using Places = std::vector<std::optional<Eigen::Vector3d>>;  // of each pose; nothing where there is no truth
+using Places = std::vector<std::optional<Eigen::Vector3d>>;  // true position of each pose; absent without a truth
 
 std::vector<TimedPose> thinned(const std::vector<TimedPose>& poses) {
   if (poses.size() <= kPoses) return poses;
@@ -50,7 +51,8 @@ class Search {
         std::count_if(unshifted_.begin(), unshifted_.end(), [](const auto& p) { return p.has_value(); }));
   }
 
-  // The error with that shift over the error without, both of the poses that have a truth in both.
+  // Returns (error with that shift) / (error without), over the poses that have a truth either way. Absent if these are
+  // too few or cannot be aligned.
   std::optional<double> ratio(int steps) const {
     const Places places = places_at(steps);
     std::vector<Eigen::Vector3d> estimated, with, without;
@@ -90,7 +92,7 @@ class Search {
   size_t counted_ = 0;
 };
 
-// Whether the minimum is one: inside what was searched, and the only one.
+// True if the minimum lies inside the searched range and no other shift is nearly as good.
 bool is_clear(const std::map<int, double>& ratios, std::map<int, double>::const_iterator best) {
   auto left = best, right = best;
   while (left != ratios.begin() && left->second <= kBasin) --left;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A truth whose clock is not that of the images: all of its times are early or late by the same.
+// Finds out whether the clock of the truth differs from that of the images: all of its times are early or late by the
+// same amount.
 #pragma once
 
 #include <optional>
@@ -17,8 +18,8 @@ struct TruthShift {
 
 std::vector<TimedPose> shifted(std::vector<TimedPose> truth, double seconds);
 
-// The shift, of some seconds at most, with which the error is half as large or less. Nothing where there is none, where
-// two shifts do nearly as well, where too few poses would keep a truth, or where the path is too even to tell.
+// Returns the shift, of at most ten seconds, that makes the error half as large or less. Absent if there is no such
+// shift, if two shifts are nearly as good, if too few poses would keep a truth, or if the path is too even to tell.
 std::optional<TruthShift> find_truth_shift(const std::vector<TimedPose>& estimate, const std::vector<TimedPose>& truth,
                                            const MetricOptions& options = {});
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/files/whole_file.h"
+#include "base/or_throw.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
 
@@ -20,14 +21,15 @@ namespace fs = std::filesystem;
 
 constexpr int kJpegQuality = 95;
 
-// The images of the map's keyframes by their times.
+// Groups the images of the map's keyframes by their times.
 std::map<int64_t, std::set<ImageId>> images_by_time(const std::vector<ImageId>& images) {
   std::map<int64_t, std::set<ImageId>> by_time;
   for (const ImageId& image : images) by_time[image.utime_us].insert(image);
   return by_time;
 }
 
-// Submaps of images that named no stream have that of their session (docs/wire.md).
+// Returns the sessions of all submaps. Images that name no stream belong to the stream with the number of their session
+// (docs/wire.md).
 std::set<int64_t> sessions_of(const map_server::Atlas& atlas) {
   std::set<int64_t> sessions;
   for (const auto& [key, owner] : atlas.submaps()) sessions.insert(key.session);
@@ -35,16 +37,15 @@ std::set<int64_t> sessions_of(const map_server::Atlas& atlas) {
 }
 
 void write_jpeg(const image_t& image, const fs::path& file) {
-  std::string error;
-  const cv::Mat bgr = decode_bgr(image, &error);
+  const Result<cv::Mat> bgr = decode_bgr(image);
   std::vector<uint8_t> jpeg;
-  if (bgr.empty() || !cv::imencode(".jpg", bgr, jpeg, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}))
-    throw std::runtime_error(file.string() + ": cannot be made: " + error);
+  if (!bgr || !cv::imencode(".jpg", *bgr, jpeg, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}))
+    throw std::runtime_error(file.string() + ": cannot be made: " + bgr.error_text());
   std::error_code code;
   fs::create_directories(file.parent_path(), code);
   WholeFile out(file.string());
   out.write({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
-  if (const std::string problem = out.commit(); !problem.empty()) throw std::runtime_error(problem);
+  or_throw(out.commit());
 }
 
 }  // namespace

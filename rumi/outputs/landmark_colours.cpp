@@ -18,7 +18,7 @@ namespace {
 using map_server::Colour;
 using map_server::LandmarkRef;
 
-// Where a keyframe saw a landmark.
+// A pixel at which a keyframe saw a landmark.
 struct Sight {
   LandmarkRef landmark;
   Eigen::Vector2f pixel;
@@ -31,7 +31,8 @@ struct Look {
 
 using Looks = std::map<int64_t, std::map<SubmapKey, Look>>;  // by the time of the keyframe
 
-// The first one that saw it, and two from elsewhere: what stood before it, or shone, is in one of them only.
+// Returns the observation of the first keyframe that saw the landmark, and two from other places: an occlusion or a
+// reflection is in one of them only.
 std::vector<Observation> chosen(const std::vector<Observation>& observations) {
   if (observations.size() < 3) return observations;
   return {observations.front(), observations[observations.size() / 2], observations.back()};
@@ -55,12 +56,13 @@ Looks looks_at(const map_server::Atlas& atlas) {
   return looks;
 }
 
-// An image that named no stream is of its session's (docs/wire.md).
+// True if the image may be of the submap's stream. An image that names no stream belongs to the stream of its session
+// (docs/wire.md).
 bool may_show(const image_t& image, const Submap& submap) {
   return submap.stream == stream_of(image) || submap.stream == submap.key.session;
 }
 
-// Of a pixel of the submap's images, which are smaller than those of the camera where these are large.
+// Returns the colour at a pixel of the submap's working images, which may be smaller than `bgr`.
 Colour colour_at(const cv::Mat& bgr, const Eigen::Vector2f& pixel, const Camera& camera) {
   const auto nearest = [](float at, int side, int full_side) {
     const double full = (at + 0.5) * full_side / side - 0.5;
@@ -94,8 +96,7 @@ SeenColours landmark_colours(const map_server::Atlas& atlas, camera_driver::Imag
   std::map<LandmarkRef, std::vector<Colour>> seen;
   recording.play_again(utimes_us);
   while (const std::optional<image_t> image = recording.next()) {
-    std::string ignored;
-    const cv::Mat bgr = decode_bgr(*image, &ignored);
+    const cv::Mat bgr = decode_bgr(*image).value_or(cv::Mat());
     if (bgr.empty()) continue;
     for (const auto& [key, look] : looks.at(image->utime)) {
       if (!may_show(*image, *look.submap)) continue;

@@ -12,6 +12,7 @@
 #include "base/files/scratch_folder.h"
 #include "base/files/temporary_folder.h"
 #include "base/files/whole_file.h"
+#include "base/or_throw.h"
 #include "bus/transport/log_file.h"
 #include "rumi/outputs/masks.h"
 
@@ -37,7 +38,7 @@ std::string map_database_at(const std::string& name) {
 }
 
 map_server::Atlas load_map(const std::string& file, std::chrono::milliseconds wait) {
-  return map_server::MapStore::copy_in_memory(file, wait).load();
+  return or_throw(map_server::load_atlas(file, wait));
 }
 
 map_server::Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to,
@@ -46,10 +47,10 @@ map_server::Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::stri
   const std::string received = folder.path() + "/map.db";
   WholeFile file(received);
   file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  if (const std::string error = file.commit(); !error.empty()) throw std::runtime_error(error);
-  map_server::MapStore store(received);
-  *copy_problem = store.write_copy(copy_to);
-  return store.load();
+  or_throw(file.commit());
+  map_server::MapStore store = or_throw(map_server::MapStore::open(received));
+  *copy_problem = store.write_copy(copy_to).error_text();
+  return or_throw(store.load());
 }
 
 AtlasPicture make_picture(const map_server::Atlas& atlas, const std::string& title) {

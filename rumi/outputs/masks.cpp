@@ -20,24 +20,23 @@ std::string file_of(const RunMasks& masks, int64_t stream) {
   return masks.size() == 1 ? "mask.png" : fmt::format("mask-{}.png", stream);
 }
 
-// "17 %", "0.8 %".
+// Returns, for example, "17 %" or "0.8 %".
 std::string percent(double share) {
   constexpr double kFewPercent = 10;
   return fmt::format("{:.{}f} %", 100 * share, 100 * share < kFewPercent ? 1 : 0);
 }
 
-// Images that are large are worked on at another size, of the same shape.
+// True if the mask may be of images of this size. Large images are tracked at a smaller size of the same shape.
 bool may_be_of(const cv::Size& size, const map_server::StillMask& mask) {
   const double scale = static_cast<double>(size.width) / mask.width;
   return !size.empty() && std::abs(scale * mask.height - size.height) <= std::max(1.0, scale);
 }
 
-std::string write_mask(const map_server::StillMask& mask, const cv::Size& image_size, const std::string& name) {
-  std::string error;
-  const cv::Mat pixels = decode_mask(mask.png, &error);
-  if (pixels.empty()) return fmt::format("{}: {}", name, error);
+Result<> write_mask(const map_server::StillMask& mask, const cv::Size& image_size, const std::string& name) {
+  const Result<cv::Mat> pixels = decode_mask(mask.png);
+  if (!pixels) return Error{pixels.error().text(), name};
   WholeFile file(name);
-  file.write(may_be_of(image_size, mask) ? encode_mask(ImageMask(pixels).resized(image_size).pixels()) : mask.png);
+  file.write(may_be_of(image_size, mask) ? encode_mask(ImageMask(*pixels).resized(image_size).pixels()) : mask.png);
   return file.commit();
 }
 
@@ -84,9 +83,9 @@ std::vector<std::string> write_masks(const RunMasks& masks, const std::string& f
   remove_masks(folder);
   std::vector<std::string> problems;
   for (const auto& [stream, mask] : masks)
-    if (std::string problem = write_mask(mask, image_size, (fs::path(folder) / file_of(masks, stream)).string());
-        !problem.empty())
-      problems.push_back(std::move(problem));
+    if (const Result<> written = write_mask(mask, image_size, (fs::path(folder) / file_of(masks, stream)).string());
+        !written)
+      problems.push_back(written.error().text());
   return problems;
 }
 
@@ -99,14 +98,14 @@ bool is_mask_name(const std::string& name) {
   return number.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-std::string check_mask_stays(const std::string& given, const std::string& input, const std::string& folder) {
+Result<> check_mask_stays(const std::string& given, const std::string& input, const std::string& folder) {
   std::error_code none;
   const fs::path beside = fs::is_directory(input, none) ? fs::path(input) : fs::path(input).parent_path();
   const std::string mask = given.empty() ? (beside / "mask.png").string() : given;
-  if ((given.empty() && input.empty()) || !fs::exists(mask, none)) return "";
+  if ((given.empty() && input.empty()) || !fs::exists(mask, none)) return {};
   const fs::path file = fs::weakly_canonical(mask, none);
-  if (!is_mask_name(file.filename().string()) || file.parent_path() != fs::weakly_canonical(folder, none)) return "";
-  return fmt::format("{}: is what the run itself writes: give the mask another name, or the run another folder", mask);
+  if (!is_mask_name(file.filename().string()) || file.parent_path() != fs::weakly_canonical(folder, none)) return {};
+  return Error{"is what the run itself writes: give the mask another name, or the run another folder", mask};
 }
 
 }  // namespace rumi::tool

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "base/files/whole_file.h"
-#include "base/running/failures.h"
 #include "base/text/json_text.h"
 #include "base/this_process/process_name.h"
 #include "bus/process/process.h"
@@ -32,7 +31,7 @@ ordered_json to_json(const YAML::Node& node) {
     for (const auto& item : node) object[item.first.Scalar()] = to_json(item.second);
     return object;
   }
-  // A tag of "!" marks what was quoted: text, whatever it looks like.
+  // A tag of "!" marks a quoted value, which is text whatever it looks like.
   int integer = 0;
   double real = 0;
   bool truth = false;
@@ -48,7 +47,7 @@ bool is_number(std::string_view text, size_t min_digits) {
   return text.size() >= min_digits && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-// 001, b001, s1700000000000000-001: names of submaps (writers.h).
+// True for names of submaps: 001, b001, s1700000000000000-001 (output_files.h).
 bool is_submap_name(std::string_view stem) {
   if (const size_t dash = stem.rfind('-'); dash != std::string_view::npos) {
     std::string_view session = stem.substr(0, dash);
@@ -61,7 +60,7 @@ bool is_submap_name(std::string_view stem) {
   return is_number(stem, 3);
 }
 
-// Does a run write, or remove as left over from an earlier one, a file of this name (relative to its folder)?
+// True if a run writes a file of this name (relative to its folder), or removes it as left over from an earlier run.
 bool is_written_by_a_run(const fs::path& name) {
   static const std::set<std::string> kNames = {"run.json",       "trajectory.txt", "trajectory.png",
                                                "trajectory.mp4", "frames.csv",     "map.db",
@@ -86,7 +85,7 @@ std::vector<std::string> what_a_run_replaces(const fs::path& folder, std::error_
   return names;
 }
 
-// "a, b, c and 7 more".
+// Returns, for example, "a, b, c and 7 more".
 std::string list(const std::vector<std::string>& names) {
   constexpr size_t kShown = 3;
   const auto end = names.begin() + static_cast<ptrdiff_t>(std::min(names.size(), kShown));
@@ -103,50 +102,49 @@ ordered_json read_run_json(const std::string& folder) {
   return ours ? run : ordered_json();
 }
 
-std::string check_output_folder(const std::string& folder) {
+Result<> check_output_folder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder)) {
     std::error_code ignored;
     const bool is_file = fs::exists(folder, ignored) && !fs::is_directory(folder, ignored);
-    return fmt::format("{}: cannot be made a folder: {}", folder,
-                       is_file ? "it is a file; give another name" : error.message());
+    if (is_file) return Error{"cannot be made a folder: it is a file", folder, "give another name"};
+    return Error{"cannot be made a folder: " + error.message(), folder};
   }
-  // Where a map_server has its map in this folder.
+  // The map in this folder may be in use by a map_server.
   const std::string database = (fs::path(folder) / "map.db").string();
   if (fs::exists(map_server::DatabaseLock::file_of(database), error)) {
-    const std::string held = thrown_by([&database] { const map_server::DatabaseLock is_free(database); });
-    if (!held.empty()) return fmt::format("{}: {}", folder, held);
+    if (const auto free = map_server::DatabaseLock::take(database); !free) return Error{free.error().text(), folder};
   }
-  if (!read_run_json(folder).is_null()) return "";
+  if (!read_run_json(folder).is_null()) return {};
   const std::vector<std::string> foreign = what_a_run_replaces(folder, &error);
-  if (error) return fmt::format("{}: cannot be read: {}", folder, error.message());
-  if (foreign.empty()) return "";
-  return fmt::format(
-      "{}: {} would be overwritten, and {} not of an earlier run of rumi (no run.json of ours): "
-      "choose another folder, or move {} away",
-      folder, list(foreign), foreign.size() == 1 ? "is" : "are", foreign.size() == 1 ? "it" : "them");
+  if (error) return Error{"cannot be read: " + error.message(), folder};
+  if (foreign.empty()) return {};
+  return Error{fmt::format("{} would be overwritten, and {} not of an earlier run of rumi (no run.json of ours): "
+                           "choose another folder, or move {} away",
+                           list(foreign), foreign.size() == 1 ? "is" : "are", foreign.size() == 1 ? "it" : "them"),
+               folder};
 }
 
-std::string prepare_output_folder(const std::string& folder) {
-  std::string error = check_output_folder(folder);
-  if (!error.empty()) return error;
+Result<> prepare_output_folder(const std::string& folder) {
+  if (const Result<> usable = check_output_folder(folder); !usable) return usable;
   std::error_code is_absent;
-  if (!read_run_json(folder).is_null()) fs::remove(fs::path(folder) / "report.html", is_absent);  // of an earlier run
+  if (!read_run_json(folder).is_null())
+    fs::remove(fs::path(folder) / "report.html", is_absent);  // left by an earlier run
   return write_run_json(folder, {{"finished", false}});
 }
 
-std::string check_map_stays(const std::string& database, const std::string& folder) {
+Result<> check_map_stays(const std::string& database, const std::string& folder) {
   std::error_code none;
   const fs::path output = fs::path(folder) / "map.db";
-  if (fs::weakly_canonical(database, none) != fs::weakly_canonical(output, none)) return "";
-  return fmt::format(
-      "{}: is the map of map_server.database, and the map of the outputs would replace it: choose another folder than "
-      "{}",
-      output.string(), folder);
+  if (fs::weakly_canonical(database, none) != fs::weakly_canonical(output, none)) return {};
+  return Error{
+      "is the map of map_server.database, and the map of the outputs would replace it: choose another folder than " +
+          folder,
+      output.string()};
 }
 
-std::string write_run_json(const std::string& folder, const ordered_json& run) {
+Result<> write_run_json(const std::string& folder, const ordered_json& run) {
   ordered_json json{{"program", "rumi"}, {"version", version()}};
   json.update(run);
   WholeFile file((fs::path(folder) / "run.json").string());

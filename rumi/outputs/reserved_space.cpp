@@ -16,11 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int64_t kBytes = 1'000'000;            // run.json, windows.csv, the picture
-constexpr int64_t kBytesPerImage = 400;          // a line each in trajectory.txt, submaps/ and frames.csv
-constexpr int64_t kMapBytes = 2'000'000;         // of a map with its windows
-constexpr int64_t kMapBytesPerImage = 50'000;    // 10,000 to 50,000 in most recordings
-constexpr int64_t kImagesOfUnknownLength = 100;  // at least
+constexpr int64_t kBytes = 1'000'000;            // for run.json, windows.csv and the picture
+constexpr int64_t kBytesPerImage = 400;          // for a line in each of trajectory.txt, submaps/ and frames.csv
+constexpr int64_t kMapBytes = 2'000'000;         // for a map with its windows
+constexpr int64_t kMapBytesPerImage = 50'000;    // most recordings need 10,000 to 50,000
+constexpr int64_t kImagesOfUnknownLength = 100;  // assumed if the number of images is unknown
 
 int64_t bytes_for(int64_t images, int64_t fixed, int64_t per_image) {
   return fixed + per_image * (images < 0 ? kImagesOfUnknownLength : images);
@@ -30,7 +30,7 @@ double mb(double bytes) { return 1e-6 * bytes; }
 
 }  // namespace
 
-std::string ReservedSpace::take(const std::string& folder, int64_t images) {
+Result<> ReservedSpace::take(const std::string& folder, int64_t images) {
   const int64_t wanted = bytes_for(images, kBytes, kBytesPerImage);
   const auto free = static_cast<double>(free_space(folder).value_or(0));
   const std::string name = temporary_name((fs::path(folder) / "reserved").string());
@@ -39,10 +39,11 @@ std::string ReservedSpace::take(const std::string& folder, int64_t images) {
   const int problem = file_ ? posix_fallocate(file_.get(), 0, wanted) : errno;
   if (problem != ENOSPC && problem != EDQUOT) return {};
   file_.reset();
-  return fmt::format(
-      "{}: its disk has {:.1f} MB free, and the outputs of a run need {:.1f} MB and more: make room, or choose another "
-      "folder",
-      folder, mb(free), mb(static_cast<double>(wanted)));
+  return Error{
+      fmt::format("its disk has {:.1f} MB free, and the outputs of a run need {:.1f} MB and more: make room, or "
+                  "choose another folder",
+                  mb(free), mb(static_cast<double>(wanted))),
+      folder};
 }
 
 std::string doubt_about_space(const std::string& folder, int64_t images) {

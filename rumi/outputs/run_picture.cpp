@@ -13,10 +13,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of a map of an hour it takes seconds.
+// Even the map of an hour is drawn in seconds. The limits only end a program that hangs.
 constexpr double kTimeLimitS = 300, kIdleLimitS = 15;
 
-// The last line that the program said, without its name.
+// Returns the last line of the program's output, without the name of the program.
 std::string last_line(const std::string& output) {
   const size_t end = output.find_last_not_of('\n');
   if (end == std::string::npos) return {};
@@ -29,11 +29,11 @@ std::string last_line(const std::string& output) {
 
 }  // namespace
 
-std::string draw_run_picture(const std::string& folder, const std::string& program) {
+Result<> draw_run_picture(const std::string& folder, const std::string& program) {
   const std::string map = fs::absolute(fs::path(folder) / "map.db").string();
   const std::string picture = fs::absolute(fs::path(folder) / "trajectory.png").string();
   std::error_code ignored;
-  fs::remove(picture, ignored);  // that of an earlier run would be taken for this one's
+  fs::remove(picture, ignored);  // a picture of an earlier run would be taken for this one's
   ChildCommand command;
   command.arguments = {program, "view", map, "-o", picture, "--title", "Rumi"};
   command.time_limit_s = kTimeLimitS;
@@ -43,8 +43,8 @@ std::string draw_run_picture(const std::string& folder, const std::string& progr
   if (drawn.ok()) return {};
   fs::remove(picture + ".part", ignored);
   const std::string said = drawn.outcome == ChildResult::Outcome::kExited ? last_line(drawn.last_output) : "";
-  return fmt::format("there is no picture {}: {}", (fs::path(folder) / "trajectory.png").string(),
-                     said.empty() ? fmt::format("drawing it {}", drawn.describe()) : said);
+  return Error{said.empty() ? fmt::format("drawing it {}", drawn.describe()) : said,
+               fmt::format("there is no picture {}", (fs::path(folder) / "trajectory.png").string())};
 }
 
 }  // namespace rumi::tool

@@ -12,11 +12,11 @@ namespace rumi::tool {
 namespace {
 
 struct Gap {
-  int64_t begin_us = 0, end_us = 0;  // of its first frame, and of the one after it
+  int64_t begin_us = 0, end_us = 0;  // times of its first frame, and of the first frame after it
   int64_t frames = 0;
 };
 
-// Frames without a pose: before any has one, in the middle, and after the last.
+// Frames without a pose: before the first pose, between poses, and after the last pose.
 struct WithoutPose {
   int64_t before = 0, after = 0, inside = 0;
   std::vector<Gap> gaps;
@@ -63,7 +63,7 @@ std::string describe(const WithoutPose& found, int64_t first_us) {
   return text;
 }
 
-// Of what is known of the submap and others, what comes nearest to a link.
+// Says why the submap is not in the map, by the one of its links that comes nearest to being accepted.
 std::string why_not_in_map(const map_server::Atlas& atlas, SubmapKey key) {
   const map_server::Link* best = nullptr;
   for (const map_server::Link& link : atlas.links()) {

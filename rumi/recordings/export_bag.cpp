@@ -44,7 +44,7 @@ bool BagSink::write(const image_t& image) {
     problem_ = fmt::format(
         "{}: the recording has JPEG images and others, which would be of two topics: give --encoding grey, rgb or jpeg",
         file_);
-  if (!problem_.empty() || !take_camera(image) || !bag_->problem().empty()) return false;
+  if (!problem_.empty() || !take_camera(image) || !bag_->so_far()) return false;
   write_poses_until(image.utime);
   const int64_t time_ns = image.utime * kNanoseconds;
   bag_->write(info_topic(topic_), kCameraInfoType, time_ns, camera_info_message(*camera_, image.utime, bag_->ros()));
@@ -54,13 +54,13 @@ bool BagSink::write(const image_t& image) {
 }
 
 bool BagSink::take_camera(const image_t& image) {
-  std::string calibration = metadata(image, kCalibrationKey);
+  std::string calibration(metadata(image, kCalibrationKey));
   if (camera_ && calibration == calibration_) return true;
-  const Calibration parsed = parse_calibration(calibration, "calibration of the image");
-  if (!parsed.ok()) problem_ = fmt::format("{}: {}", file_, parsed.error);
+  const Result<Calibration> parsed = parse_calibration(calibration, "calibration of the image");
+  if (!parsed) problem_ = fmt::format("{}: {}", file_, parsed.error_text());
   calibration_ = std::move(calibration);
-  camera_ = parsed.camera;
-  return parsed.ok();
+  camera_ = parsed ? parsed->camera : Camera();
+  return parsed.has_value();
 }
 
 void BagSink::write_poses_until(int64_t utime_us) {
@@ -83,7 +83,7 @@ std::string BagSink::close() {
         "of this recording",
         poses_.size(), static_cast<double>(first_us_) * 1e-6, static_cast<double>(last_us_) * 1e-6);
   write_poses_until(std::numeric_limits<int64_t>::max());
-  return bag_->close();
+  return bag_->close().error_text();
 }
 
 std::string BagSink::content() const {

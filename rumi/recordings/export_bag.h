@@ -12,13 +12,14 @@
 
 namespace rumi::tool {
 
-// A bag of ROS: the images and, beside their topic, their camera_info; the camera's poses in the map on /rumi/pose and
-// as /tf, and all of them at once on /rumi/path.
+// Writes a bag of ROS: the images and their camera_info, the camera's poses in the map on /rumi/pose and as /tf, and
+// all poses at once on /rumi/path.
 class BagSink : public ImageSink {
  public:
-  // By its name's ending: that of a bag that can be written?
+  // True if the name ends in .mcap or .bag.
   static bool takes(const std::string& file);
-  // `topic`: of the images; of JPEGs with "/compressed" behind it. `poses`: by time; may be empty.
+  // `topic`: topic of the images, without "/compressed", which is appended for JPEGs. `poses`: sorted by time; may be
+  // empty.
   BagSink(const std::string& file, std::string topic, std::vector<TimedPose> poses);
   bool write(const image_t& image) override;
   std::string close() override;
@@ -32,9 +33,9 @@ class BagSink : public ImageSink {
   std::vector<TimedPose> poses_;
   std::unique_ptr<BagWriter> bag_;
   std::string problem_;
-  std::string images_topic_, images_type_;  // empty: none so far
+  std::string images_topic_, images_type_;  // empty before the first image
   int64_t first_us_ = 0, last_us_ = 0;
-  std::string calibration_;  // of the last image
+  std::string calibration_;  // calibration of the last image
   std::optional<Camera> camera_;
   size_t next_pose_ = 0;
 };

@@ -22,7 +22,7 @@ bool LogSink::write(const image_t& image) { return log_.write(image.utime, chann
 
 std::string LogSink::close() {
   is_whole_ = log_.close() && log_.error().empty();
-  if (is_whole_) return commit_file(temporary_, file_);
+  if (is_whole_) return commit_file(temporary_, file_).error_text();
   std::string problem = log_.error();
   if (const size_t at = problem.find(temporary_); at != std::string::npos)
     problem.replace(at, temporary_.size(), file_);

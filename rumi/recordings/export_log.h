@@ -6,7 +6,8 @@
 
 namespace rumi::tool {
 
-// An lcm log; the time of an event is that of its image. It has its name once it is whole.
+// Writes an lcm log, in which the time of an event is that of its image. The file has a temporary name until it is
+// complete.
 class LogSink : public ImageSink {
  public:
   LogSink(const std::string& file, std::string channel);

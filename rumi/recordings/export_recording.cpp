@@ -38,10 +38,10 @@ int64_t write_all(camera_driver::ImageSource& source, ImageSink& sink, const std
   return count;
 }
 
-// Empty, or what is wrong with the names that were given.
+// Returns what is wrong with the given names, or an empty string.
 std::string check_names(const ExportOptions& options) {
   std::error_code code;
-  // Also when it is the input itself.
+  // This refuses the input itself, too.
   if (fs::exists(options.file, code)) return options.file + ": exists; remove it or give another name";
   const std::string ending = fs::path(options.file).extension().string();
   if (ending == ".db3")
@@ -52,7 +52,7 @@ std::string check_names(const ExportOptions& options) {
   return {};
 }
 
-// Empty, or what is wrong with them.
+// Reads the poses of a file or of a run's folder. Returns what is wrong with them, or an empty string.
 std::string read_poses(const std::string& given, std::vector<TimedPose>* poses) {
   if (given.empty()) return {};
   std::error_code code;
@@ -80,13 +80,13 @@ int run_export(const ExportOptions& options) {
   std::vector<TimedPose> poses;
   if (const std::string problem = read_poses(options.poses, &poses); !problem.empty()) return fail(problem);
   camera_driver::OpenedSource opened = camera_driver::open_recording(options.input, options.camera);
-  if (!opened.ok()) return fail(opened.error);
+  if (!opened) return fail(opened.error_text());
   const std::unique_ptr<ImageSink> sink = open_sink(options, std::move(poses));
-  const int64_t count = write_all(*opened.source, *sink, options.stop);
+  const int64_t count = write_all(**opened, *sink, options.stop);
   if (options.stop && *options.stop) return fail(options.file + ": was called off; nothing was written");
   if (const std::string problem = sink->close(); !problem.empty()) return fail(problem + "; nothing was written");
   fmt::print("{}: {} {}\n", options.file, count, sink->content());
-  const std::vector<std::string> complaints = opened.source->skipped().complaints(count);
+  const std::vector<std::string> complaints = (*opened)->skipped().complaints(count);
   for (const std::string& complaint : complaints) fmt::print(stderr, "rumi export: {}\n", complaint);
   return complaints.empty() ? 0 : kNotAll;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the images of a recording go.
+// The interface of a file into which the images of a recording are written.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@ namespace rumi::tool {
 
 class ImageSink {
  public:
-  virtual ~ImageSink() = default;  // what was not closed does not remain
-  // False if it has failed, and more need not come: close() tells why.
+  virtual ~ImageSink() = default;  // removes a file that was not closed
+  // Returns false after a failure; then no more images need to be written. close() says why.
   virtual bool write(const image_t& image) = 0;
-  // Empty, or what is wrong; then nothing remains of the file.
+  // Ends the file. Returns an empty string, or an error; after an error no file is left.
   virtual std::string close() = 0;
-  // What was written, behind the number of images: "images on CAMERA". After close().
+  // Says what the file contains, to be put after the number of images: "images on CAMERA". Call it after close().
   virtual std::string content() const = 0;
 };
 

@@ -34,7 +34,7 @@ int fail(const std::string& problem) {
   return 1;
 }
 
-// Empty, or why the file could not be written.
+// Returns why the file could not be written, or an empty string.
 std::string write_file(const fs::path& file, std::span<const uint8_t> bytes) {
   errno = 0;
   std::ofstream stream(file, std::ios::binary);
@@ -49,19 +49,22 @@ std::string write_text(const fs::path& file, const std::string& text) {
   return write_file(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 
-// The file's contents and its extension; an empty extension and why in *error if the pixels cannot be read.
+// Sets *bytes to the content of a file for the image, and returns its extension. If the pixels cannot be read, returns
+// an empty extension and says why in *error.
 std::string to_file(const image_t& image, std::vector<uint8_t>* bytes, std::string* error) {
   if (image.pixelformat == image_t::PIXEL_FORMAT_MJPEG) {
     *bytes = image.data;
     return ".jpg";
   }
   const bool grey = image.pixelformat == image_t::PIXEL_FORMAT_GRAY;
-  const cv::Mat pixels = grey ? decode_grey(image, error) : decode_bgr(image, error);
-  if (pixels.empty() || !cv::imencode(".png", pixels, *bytes)) return {};
+  const Result<cv::Mat> pixels = grey ? decode_grey(image) : decode_bgr(image);
+  *error = pixels.error_text();
+  if (!pixels || !cv::imencode(".png", *pixels, *bytes)) return {};
   return ".png";
 }
 
-// Of a bag that has the camera's path, as its truth; empty, or what went wrong.
+// Writes the camera's path as groundtruth.txt, if the recording is a bag with transforms. Prints why if they do not
+// give the path. Returns an error of writing, or an empty string.
 std::string write_truth(const ImportOptions& options) {
   if (kind_of_bag(options.log) == BagKind::kNone) return {};
   const BagPoses bag = poses_in_bag(options.log, options.camera.log_channel);
@@ -80,9 +83,10 @@ std::string write_truth(const ImportOptions& options) {
   return write_text(fs::path(options.folder) / "groundtruth.txt", lines);
 }
 
-// As camera_driver finds it again. Empty, or what went wrong.
+// Writes the image's mask, if it has one, to masks/NAME.png, where camera_driver looks for it. Returns the error, or an
+// empty string.
 std::string write_mask(const image_t& image, const fs::path& folder, const std::string& name) {
-  const std::string mask = metadata(image, kMaskKey);
+  const std::string mask(metadata(image, kMaskKey));
   if (mask.empty()) return {};
   const fs::path file = folder / "masks" / (name + ".png");
   std::error_code code;
@@ -90,7 +94,7 @@ std::string write_mask(const image_t& image, const fs::path& folder, const std::
   return write_text(file, mask);
 }
 
-// Empty, or what went wrong.
+// Writes the images, their list and the calibration. Returns the error, or an empty string.
 std::string write_folder(camera_driver::ImageSource& source, const fs::path& folder, int64_t* count) {
   std::error_code code;
   fs::create_directories(folder / "rgb", code);
@@ -102,7 +106,7 @@ std::string write_folder(camera_driver::ImageSource& source, const fs::path& fol
     const std::string extension = to_file(*image, &bytes, &problem);
     if (extension.empty()) return fmt::format("the image at {} s: {}", format_seconds(image->utime), problem);
     const std::string time = format_seconds(image->utime);
-    // Where a clock was set back two images may have the same time.
+    // Two images may have the same time if the clock was set back.
     const std::string more = names.insert(time).second ? "" : fmt::format("_{}", *count);
     const std::string name = "rgb/" + time + more + extension;
     if (problem = write_file(folder / name, bytes); !problem.empty()) return problem;
@@ -127,14 +131,14 @@ int run_import(const ImportOptions& options) {
     return fail(fmt::format("{}: {}", options.log, advice.empty() ? usual : advice));
   }
   camera_driver::OpenedSource opened = camera_driver::open_recording(options.log, options.camera);
-  if (!opened.ok()) return fail(opened.error);
+  if (!opened) return fail(opened.error_text());
 
   int64_t count = 0;
-  std::string problem = write_folder(*opened.source, options.folder, &count);
+  std::string problem = write_folder(**opened, options.folder, &count);
   if (problem.empty()) problem = write_truth(options);
   if (!problem.empty()) return fail(fmt::format("{}; {} is incomplete ({} images)", problem, options.folder, count));
   fmt::print("{}: {} images\n", options.folder, count);
-  const std::vector<std::string> complaints = opened.source->skipped().complaints(count);
+  const std::vector<std::string> complaints = (*opened)->skipped().complaints(count);
   for (const std::string& complaint : complaints) fmt::print(stderr, "rumi import: {}\n", complaint);
   return complaints.empty() ? 0 : kNotAll;
 }

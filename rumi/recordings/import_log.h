@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// lcm log or ROS bag with images -> TUM-style folder: rgb/SECONDS.jpg or .png, rgb.txt, calibration.yaml.
+// Converts an lcm log or a ROS bag to a folder as of TUM RGB-D: rgb/SECONDS.jpg or .png, rgb.txt, calibration.yaml.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@ namespace rumi::tool {
 
 struct ImportOptions {
   std::string log;
-  std::string folder;  // created; if it exists it must be empty
+  std::string folder;  // is created if it does not exist; must be empty
   camera_driver::CameraOptions camera;
 };
 
-// JPEG images are written as they are, all others as PNG. Tells what it does, and what is wrong, on stderr. Returns the
-// exit code. Whatever has been written when something fails stays, and is named.
+// Writes JPEG images as they are, and all others as PNG. Prints progress and errors on stderr. Returns the exit code.
+// After an error the files written so far remain, and the message names the folder.
 int run_import(const ImportOptions& options);
 
 }  // namespace rumi::tool

@@ -24,7 +24,7 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
-// A file of ICL-NUIM in the folder; empty if there are none or several.
+// Returns the truth of ICL-NUIM in the folder; empty if there is no such file, or if there are several.
 fs::path truth_of_icl(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code code;
@@ -33,7 +33,8 @@ fs::path truth_of_icl(const fs::path& folder) {
   return files.size() == 1 ? files.front() : fs::path();
 }
 
-// EuRoC's state estimate goes before what a tracking system saw of a marker (TUM-VI's mocap0).
+// Returns the names that a truth may have in the folder, the preferred one first. EuRoC's state estimate is preferred
+// to a tracking system's path of a marker (TUM-VI's mocap0).
 std::vector<fs::path> names_in(const fs::path& folder) {
   std::vector<fs::path> names = {folder / "groundtruth.txt"};
   for (const char* mav : {"mav0", ""})
@@ -53,7 +54,8 @@ FoundTruth look_in(const std::vector<fs::path>& files, const std::vector<fs::pat
   return {};
 }
 
-// A folder in a dataset's: mav0, cam0, rgb. What lies beside the folders of several recordings is of none of them.
+// True if the folder is inside the folder of one recording: mav0, cam0, data, rgb. Other folders may hold several
+// recordings, and a truth beside these belongs to none of them.
 bool is_part_of_dataset(const fs::path& folder) {
   const std::string name = folder.filename().string();
   return name == "mav0" || name == "cam0" || name == "data" || name == "rgb";
@@ -61,7 +63,7 @@ bool is_part_of_dataset(const fs::path& folder) {
 
 std::vector<fs::path> folders_of(const fs::path& recording) {
   std::vector<fs::path> folders = {recording, find_dataset(recording).folder};
-  constexpr int kDeepest = 3;  // mav0/cam0/data
+  constexpr int kDeepest = 3;  // levels of folders in mav0/cam0/data
   for (int i = 0; i < kDeepest && is_part_of_dataset(folders.back()); ++i)
     folders.push_back(folders.back().parent_path());
   return folders;

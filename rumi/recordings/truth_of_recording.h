@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The true path of a recording: where its download has it, and out of a bag.
+// Finds the true path of a recording, in its dataset or in the bag.
 #pragma once
 
 #include <string>
@@ -9,14 +9,14 @@
 namespace rumi::tool {
 
 struct FoundTruth {
-  std::string file;              // empty if there is none
-  double frames_per_second = 0;  // of what counts images (ICL-NUIM); 0: it has times
-  std::string error;             // where it was looked for
+  std::string file;              // empty if there is no truth
+  double frames_per_second = 0;  // only for a truth that counts images (ICL-NUIM); 0: the truth has times
+  std::string error;             // if there is no truth: where it was looked for
 };
-// Beside a recording of TUM RGB-D, EuRoC, TUM-VI or ICL-NUIM, or of `rumi import`; a bag may have it itself.
+// Looks for the truth beside a recording of TUM RGB-D, EuRoC, TUM-VI, ICL-NUIM or `rumi import`, and in a bag.
 FoundTruth find_truth(const std::string& recording);
 
-// As read_groundtruth(); of a bag the camera's poses by its transforms of frames.
+// As read_groundtruth(); from a bag it takes the camera's poses in the transforms.
 TruthFile read_truth(const std::string& file, const TruthOptions& options);
 
 }  // namespace rumi::tool

@@ -13,20 +13,20 @@ namespace rumi::tool {
 namespace {
 
 constexpr int kMargin = 24, kTop = 64, kLine = 20;
-constexpr int kImageWidth = 640, kImageHeight = 480;  // at most
+constexpr int kImageWidth = 640, kImageHeight = 480;  // largest size of the area for the image
 constexpr int kTiltSide = 420;
 constexpr int kTiltLeft = kMargin + kImageWidth + 90, kTiltNote = kTop + kTiltSide + 46;
 constexpr int kText = kTop + kImageHeight + 36, kMissingLeft = 440;
 constexpr int kWidth = kTiltLeft + kTiltSide + kMargin, kHeight = kText + 6 * kLine;
 const cv::Scalar kSeen(238, 244, 226);
 
-// Of the image in the picture.
+// The area of the picture that stands for the image.
 struct Frame {
   explicit Frame(cv::Size image)
       : scale(
             std::min(static_cast<double>(kImageWidth) / image.width, static_cast<double>(kImageHeight) / image.height)),
         area(kMargin, kTop, cvRound(image.width * scale), cvRound(image.height * scale)) {}
-  // (0, 0) is the centre of the upper left pixel.
+  // Returns the place of a pixel of the image; (0, 0) is the centre of the upper left one.
   cv::Point at(const cv::Point2f& pixel) const {
     return area.tl() + cv::Point(cvRound((pixel.x + 0.5) * scale), cvRound((pixel.y + 0.5) * scale));
   }
@@ -39,7 +39,7 @@ struct Frame {
   cv::Rect area;
 };
 
-// An empty cell is crossed out.
+// Fills the cells in which corners were seen, and crosses out the others.
 void draw_cells(cv::Mat& picture, const Frame& frame, const Coverage& coverage) {
   for (int row = 0; row < Coverage::kRows; ++row) {
     for (int column = 0; column < Coverage::kColumns; ++column) {
@@ -66,7 +66,7 @@ void draw_views(cv::Mat& picture, const Frame& frame, const std::vector<BoardVie
   }
 }
 
-// A circle for each view, the larger the nearer; beyond the black lines it is tilted enough.
+// Draws each view as a circle, larger if the board is nearer. A view beyond the black lines is tilted enough.
 void draw_tilts(cv::Mat& picture, const Coverage& coverage) {
   double limit = 50;
   for (const ViewShape& shape : coverage.shapes())

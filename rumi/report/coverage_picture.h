@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rumi calibrate` has seen of the board: where in the image, and from which sides.
+// Draws the views of the board that `rumi calibrate` has taken: where in the image they are, and how they are tilted.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -8,7 +8,7 @@
 
 namespace rumi::tool {
 
-// BGR. Precondition: an image has come.
+// Returns BGR. Precondition: the collector has received an image.
 cv::Mat draw_coverage(const ViewCollector& collector);
 
 }  // namespace rumi::tool

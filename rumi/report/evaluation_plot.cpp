@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kWidth = 1000, kTopHeight = 600, kErrorHeight = 300, kMargin = 60;
 
-// Time gaps well beyond the usual period are not bridged with a line.
+// False if frames are missing in between, so that no line should join the two.
 bool neighbours(int64_t a_us, int64_t b_us, int64_t period_us) { return b_us - a_us <= 3 * period_us; }
 
 int64_t usual_period_us(const std::vector<PoseError>& errors) {
@@ -28,7 +28,7 @@ int64_t usual_period_us(const std::vector<PoseError>& errors) {
   return median(&periods);
 }
 
-// Rows: the two directions in which the truth extends most.
+// Returns the two directions in which the truth extends most, as rows.
 Eigen::Matrix<double, 2, 3> widest_plane(const std::vector<TimedPose>& truth) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const TimedPose& pose : truth) mean += pose.map_from_cam.translation / static_cast<double>(truth.size());
@@ -52,7 +52,7 @@ void draw_paths(cv::Mat& image, const RunMetrics& metrics, const std::vector<Tim
   const auto include = [&](const Eigen::Vector2d& p) { low = low.cwiseMin(p), high = high.cwiseMax(p); };
   for (const auto& p : path) include(p);
   for (const PoseError& error : metrics.map.errors) include(plane * error.estimate_m);
-  // The same scale on both axes.
+  // Both axes have the same scale.
   const cv::Rect area(kMargin, kMargin, kWidth - 2 * kMargin, kTopHeight - 2 * kMargin);
   const Eigen::Vector2d middle = (low + high) / 2, extent = (high - low).cwiseMax(1e-6) * 1.1;
   const double per_pixel = std::max(extent.x() / area.width, extent.y() / area.height);
@@ -109,18 +109,17 @@ cv::Mat draw_evaluation(const RunMetrics& metrics, const std::vector<TimedPose>&
   return image;
 }
 
-std::string plot_evaluation(const RunMetrics& metrics, const std::vector<TimedPose>& truth,
-                            const std::string& png_file) {
-  // The library does not say why.
+Result<> plot_evaluation(const RunMetrics& metrics, const std::vector<TimedPose>& truth, const std::string& png_file) {
+  // Opening the file tells why it cannot be written. OpenCV does not.
   errno = 0;
   if (!std::ofstream(png_file, std::ios::app))
-    return fmt::format("{}: cannot be written ({})", png_file, std::strerror(errno));
+    return Error{fmt::format("cannot be written ({})", std::strerror(errno)), png_file};
   try {
-    if (cv::imwrite(png_file, draw_evaluation(metrics, truth))) return "";
+    if (cv::imwrite(png_file, draw_evaluation(metrics, truth))) return {};
   } catch (const cv::Exception&) {
-    // Said below, in words of our own.
+    // The error below says it in plain words.
   }
-  return fmt::format("{}: cannot be written", png_file);
+  return Error{"cannot be written", png_file};
 }
 
 }  // namespace rumi::tool

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A web page that is one file: nothing in it is fetched from anywhere.
+// A web page in one file, which loads nothing else.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +12,25 @@
 namespace rumi::tool {
 
 std::string base64(std::span<const uint8_t> bytes);
-// Text that means itself in HTML, in attributes too.
+// Escapes the text for HTML, also for use inside attributes.
 std::string escape_html(const std::string& text);
 
 class HtmlPage {
  public:
   explicit HtmlPage(const std::string& title);
 
-  // All text is escaped here. `note` may be empty.
+  // All functions escape their text. `note` may be empty.
   void section(const std::string& heading, const std::string& note = "");
   void paragraph(const std::string& text);
   void table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
-  // format: "png" or "jpeg". The alternative text is the caption too.
+  // format: "png" or "jpeg". The caption is also the alternative text.
   void picture(std::span<const uint8_t> image, const std::string& format, const std::string& caption);
   struct Thumbnail {
     std::vector<uint8_t> jpeg;
-    std::string caption, color;  // of the frame around it, as CSS has it
+    std::string caption, color;  // color: of the frame around the image, in CSS
   };
   void thumbnails(const std::vector<Thumbnail>& images);
-  // Lines over seconds, from 0 upwards.
+  // Lines of values over seconds. Both axes begin at 0.
   using Lines = std::map<std::string, std::vector<std::pair<double, double>>>;
   void chart(const std::string& title, const std::string& unit, const Lines& lines);
   std::string finish() const;

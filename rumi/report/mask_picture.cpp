@@ -14,8 +14,7 @@ const cv::Scalar kRed(40, 40, 220);
 }  // namespace
 
 cv::Mat draw_mask(const std::string& png, const cv::Mat& image) {
-  std::string ignored;
-  const cv::Mat world = decode_mask(png, &ignored);
+  const cv::Mat world = decode_mask(png).value_or(cv::Mat());
   if (world.empty()) return {};
   cv::Mat picture, red;
   if (image.empty())

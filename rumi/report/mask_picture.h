@@ -6,7 +6,8 @@
 
 namespace rumi::tool {
 
-// The image (BGR), with what the mask leaves out in red; without an image the mask alone, or of no PNG nothing.
+// Draws the masked parts in red over the image (BGR). Returns the mask alone if there is no image, and an empty Mat if
+// `png` is no PNG.
 cv::Mat draw_mask(const std::string& png, const cv::Mat& image);
 
 }  // namespace rumi::tool

@@ -13,7 +13,7 @@
 namespace rumi::tool {
 namespace {
 
-// What a landmark of both is to be scored by, as seen in the keyframe that they share.
+// Returns the equation for a landmark that both submaps have in the same keyframe; it scores the match.
 map_server::PlaceEquation equation_of(const Submap& a, const Submap& b, const map_server::SharedKeyframe& shared,
                                       const map_server::LandmarkMatch& match) {
   const Keyframe &in_a = *a.keyframe(shared.a), &in_b = *b.keyframe(shared.b);

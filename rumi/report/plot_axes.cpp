@@ -9,7 +9,7 @@
 namespace rumi::tool {
 namespace {
 
-// 1, 2 or 5 times a power of ten, so that `range` has about `steps` of them.
+// Returns 1, 2 or 5 times a power of ten, so that `range` has about `steps` such steps.
 double round_step(double range, int steps) {
   const double raw = range / steps;
   const double power = std::pow(10.0, std::floor(std::log10(raw)));

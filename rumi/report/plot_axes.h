@@ -7,13 +7,13 @@
 
 namespace rumi::tool {
 
-// Blue, green, red.
+// Components: blue, green, red.
 inline const cv::Scalar kPlotWhite(255, 255, 255), kPlotBlack(30, 30, 30), kPlotGrid(225, 225, 225),
     kPlotGrey(150, 150, 150), kPlotBlue(190, 90, 20), kPlotRed(40, 40, 200);
 
 void plot_text(cv::Mat& image, const std::string& words, cv::Point at, const cv::Scalar& colour = kPlotBlack);
 
-// A rectangle of the picture with linear axes; the grid is drawn on construction.
+// An area of the picture with linear axes. The constructor draws the grid.
 class PlotAxes {
  public:
   PlotAxes(cv::Mat& image, cv::Rect area, double x_min, double x_max, double y_min, double y_max, const char* unit);

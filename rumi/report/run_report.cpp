@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "base/files/file_access.h"
+#include "base/or_throw.h"
 #include "base/text/json_text.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
@@ -96,9 +97,7 @@ void add_timeline(const cv::Mat& all, const viewer_offscreen::Scene& scene, Html
 }
 
 void add_errors(const std::string& folder, const std::string& groundtruth, const TruthOptions& truth, HtmlPage* page) {
-  RunEvaluation evaluation;
-  const std::string error = evaluate_folder(folder, groundtruth, truth, {}, &evaluation);
-  if (!error.empty()) throw std::runtime_error(error);
+  const RunEvaluation evaluation = or_throw(evaluate_folder(folder, groundtruth, {truth, {}}));
   page->section("Error", "Against " + groundtruth + ", after Sim(3) alignment.");
   page->picture(viewer_offscreen::encode_png(draw_evaluation(evaluation.run, evaluation.truth)), "png",
                 "Path and error over time");
@@ -117,7 +116,7 @@ void add_errors(const std::string& folder, const std::string& groundtruth, const
 }
 
 std::vector<uint8_t> thumbnail(const image_t& image) {
-  const cv::Mat bgr = decode_bgr(image, nullptr);
+  const cv::Mat bgr = decode_bgr(image).value_or(cv::Mat());
   if (bgr.empty()) return {};
   cv::Mat small;
   cv::resize(bgr, small, {kThumbnailWidth, std::max(1, kThumbnailWidth * bgr.rows / bgr.cols)}, 0, 0, cv::INTER_AREA);
@@ -126,7 +125,7 @@ std::vector<uint8_t> thumbnail(const image_t& image) {
   return jpeg;
 }
 
-// Evenly chosen images of the window, in the colours of the sampling picture.
+// Returns evenly chosen images of the window, with frames in the colours of the sampling picture.
 std::vector<HtmlPage::Thumbnail> window_images(const ruminator::WindowJob& job, int64_t first_us) {
   std::vector<HtmlPage::Thumbnail> thumbnails;
   const size_t n = std::min(kThumbnailsPerWindow, job.images.size());
@@ -163,12 +162,12 @@ void add_windows(const std::string& folder, const map_server::Atlas& atlas, int6
   const std::vector<fs::path> files = window_files(folder);
   if (files.empty()) return page->paragraph("The folder holds no windows.");
   for (const fs::path& file : files) {
-    const ruminator::WindowJobFile read = ruminator::read_window_job(file.string());
-    if (!read.ok()) {
-      page->paragraph(read.error);
+    const Result<ruminator::WindowJobFile> read = ruminator::read_window_job(file.string());
+    if (!read) {
+      page->paragraph(read.error_text());
       continue;
     }
-    const ruminator::RuminationWindow& w = read.job.window;
+    const ruminator::RuminationWindow& w = read->job.window;
     const map_server::AtlasSubmap* rebuilt = atlas.find({w.session, -w.id});
     const std::string outcome = !rebuilt ? "no back submap of it has come"
                                          : fmt::format("back submap: {} frames, {}", rebuilt->submap.frames.size(),
@@ -180,17 +179,17 @@ void add_windows(const std::string& folder, const map_server::Atlas& atlas, int6
         "Window {}: lost at {} after {}, then {}; {} approach, {} of {} gap, {} departure frames; {}", w.id,
         viewer_offscreen::format_time(seconds_since(first_us, w.lost_utime_us)), submap(w.submap_before),
         submap(w.submap_after), w.approach.size(), w.gap.size(), w.gap_frames, w.departure.size(), outcome));
-    page->thumbnails(window_images(read.job, first_us));
+    page->thumbnails(window_images(read->job, first_us));
   }
 }
 
-// Over an image of the same camera, if a window has one.
+// Returns an image of the stream, over which its mask is drawn; an empty one if no window has such an image.
 image_t image_of_stream(const std::string& folder, int64_t stream) {
   for (const fs::path& file : window_files(folder)) {
-    const ruminator::WindowJobFile read = ruminator::read_window_job(file.string());
-    if (!read.ok()) continue;
-    for (const image_t& image : read.job.images)
-      if (stream_of(image) == stream || (stream_of(image) == kNoStream && read.job.window.session == stream))
+    const Result<ruminator::WindowJobFile> read = ruminator::read_window_job(file.string());
+    if (!read) continue;
+    for (const image_t& image : read->job.images)
+      if (stream_of(image) == stream || (stream_of(image) == kNoStream && read->job.window.session == stream))
         return image;
   }
   return {};
@@ -202,8 +201,8 @@ void add_masks(const std::string& folder, const map_server::Atlas& atlas, HtmlPa
   page->section("Masks", "What never moves in the images is not the world: no landmark is made of it.");
   for (const std::string& line : describe_masks(masks)) page->paragraph(line);
   for (const auto& [stream, mask] : masks) {
-    std::string none;  // no image, then
-    const cv::Mat picture = draw_mask(mask.png, decode_bgr(image_of_stream(folder, stream), &none));
+    const Result<cv::Mat> image = decode_bgr(image_of_stream(folder, stream));
+    const cv::Mat picture = draw_mask(mask.png, image.value_or(cv::Mat()));
     if (!picture.empty())
       page->picture(viewer_offscreen::encode_png(picture), "png", fmt::format("Left out of stream {}", stream));
   }
@@ -266,9 +265,7 @@ void add_load(const ordered_json& run, HtmlPage* page) {
 }
 
 void add_load_over_time(const std::string& log, HtmlPage* page) {
-  std::string error;
-  const ProcessLoad load = read_process_load(log, &error);
-  if (!error.empty()) throw std::runtime_error(error);
+  const ProcessLoad load = or_throw(read_process_load(log));
   page->chart("CPU", "% of a core", load.cpu_percent);
   page->chart("Memory", "MB", load.memory_mb);
 }
@@ -286,7 +283,7 @@ AtlasCounts counts_of(const ordered_json& run) {
   return result;
 }
 
-// The path of trajectory.txt, for a picture: a submap with no landmarks.
+// Returns the path of trajectory.txt as a submap without landmarks, so that it can be drawn.
 Submap path_alone(const std::string& folder) {
   const TrajectoryFile path = read_trajectory((fs::path(folder) / "trajectory.txt").string());
   if (!path.ok()) throw std::runtime_error(path.error);
@@ -305,7 +302,7 @@ bool lacks_its_map(const std::string& folder, const ordered_json& run) {
   return run.contains("missing") && !fs::exists(fs::path(folder) / "map.db");
 }
 
-// Of a run whose map did not fit on the disk: what the other files tell.
+// Makes a shorter page from the other files, for a run whose map did not fit on the disk.
 std::string report_without_map(const std::string& folder, const ordered_json& run, const ReportOptions& options) {
   const Submap path = path_alone(folder);
   viewer_offscreen::MapPicture picture;

@@ -15,12 +15,12 @@
 namespace rumi::tool {
 namespace {
 
-// All positions and lengths are pixels of the final picture.
+// All positions and lengths are in pixels of the final picture.
 constexpr int kWidth = 1600, kHeight = 580, kMargin = 24;
 constexpr int kThumbWidth = 120, kThumbGap = 8;
 constexpr double kTopThumbs = 78, kStrip = 262, kStripHeight = 30, kMarks = 318, kBrackets = 342, kBottomThumbs = 420;
 
-// Okabe and Ito's colours, which people of any colour vision tell apart. RGB.
+// Okabe and Ito's colours (RGB), which people with any kind of colour vision can tell apart.
 const cv::Vec3b kTracked(0, 114, 178), kPosedAfterwards(86, 180, 233), kRecentlyLost(230, 159, 0), kLost(213, 94, 0),
     kNotInitialized(170, 170, 170);
 const cv::Vec3b kApproach(0, 158, 115), kGap(204, 121, 167), kDeparture(60, 60, 60);
@@ -43,7 +43,7 @@ const cv::Vec3b& colour_of(SampledAs part) {
   return part == SampledAs::kApproach ? kApproach : part == SampledAs::kGap ? kGap : kDeparture;
 }
 
-// Draws enlarged; finish() makes the picture smooth.
+// The picture. It is drawn enlarged, and finish() reduces it, which makes edges smooth.
 class Paper {
  public:
   Paper() : large_(kHeight * kScale, kWidth * kScale, CV_8UC3, cv::Scalar::all(255)) {}
@@ -120,7 +120,7 @@ class Picture {
   double center_of(size_t index) const { return kMargin + (static_cast<double>(index) + 0.5) * cell_width_; }
   double seconds(int64_t utime_us) const { return 1e-6 * static_cast<double>(utime_us - scene_.begin_us); }
   static size_t thumbs_in_a_row() { return (kWidth - 2 * kMargin + kThumbGap) / (kThumbWidth + kThumbGap); }
-  // The first frame that is not earlier.
+  // Returns the index of the first frame at or after the time.
   size_t index_of(int64_t utime_us) const {
     const auto it = std::lower_bound(frames_.begin(), frames_.end(), utime_us,
                                      [](const SceneFrame& f, int64_t utime) { return f.utime_us < utime; });
@@ -142,7 +142,7 @@ class Picture {
     paper_.text({kMargin, 58}, viewer_offscreen::fit_text(counts, kWidth - 2 * kMargin, {9}), 9);
   }
 
-  // A row of images; the lines lead to their cells.
+  // Draws a row of images, and lines that lead to their cells of the strip.
   void draw_row(const std::vector<size_t>& chosen, double top, bool is_above) {
     const double pitch = kThumbWidth + kThumbGap;
     const double width = pitch * static_cast<double>(chosen.size()) - kThumbGap;
@@ -190,7 +190,7 @@ class Picture {
     }
   }
 
-  // The time at a frame: a line through the strip.
+  // Marks the time of a frame by a line through the strip.
   void draw_event(size_t index, const std::string& what, bool to_the_left) {
     const double x = center_of(index) - cell_width_ / 2, top = kStrip - 16;
     paper_.line({x, top - 4}, {x, kMarks + 8}, 1.5, kInk);
@@ -212,7 +212,7 @@ class Picture {
     paper_.text({kWidth - kMargin - viewer_offscreen::text_width(last, {8}), kStrip - 6}, last, 8);
   }
 
-  // Parts differ in shape too.
+  // The three parts also differ in shape, for people who cannot see the colours.
   void draw_mark(const SceneFrame& frame, double x) {
     const double size = std::clamp(cell_width_ * 0.45, 1.5, 4.5);
     const cv::Vec3b& colour = colour_of(frame.sampled_as);

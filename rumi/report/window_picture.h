@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The sampling picture, after Fig. 6 of the paper: above, images as they came; in the middle a strip with a cell per
-// frame that says what became of it; below, the samples.
+// Draws how a window was sampled, after Fig. 6 of the paper. Above are some images; in the middle a strip with a cell
+// per frame, coloured by its tracking state; below the samples.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -9,7 +9,7 @@
 
 namespace rumi::tool {
 
-// BGR.
+// Returns BGR.
 cv::Mat draw_window(const WindowScene& scene);
 
 }  // namespace rumi::tool

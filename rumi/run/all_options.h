@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every option of every component in one place: what replay runs on, what `rumi up` checks before it starts anything,
-// and what config/rumi.yaml is made of.
+// Every option of every component in one place. A replay runs with them, `rumi up` checks them before it starts
+// anything, and config/rumi.yaml is made from them.
 #pragma once
 
 #include <string>
@@ -15,14 +15,14 @@
 
 namespace rumi::tool {
 
-// Of `rumi up`.
+// Options of `rumi up` itself.
 struct UpOptions {
-  std::string input;               // of camera_driver; empty: the images come from elsewhere
-  std::string lcm_url;             // empty: LCM_DEFAULT_URL, else the built-in one
-  std::string channel_prefix;      // before every channel name
-  std::string channel = "CAMERA";  // of the images
+  std::string input;               // recording or camera for camera_driver; empty: the images come from elsewhere
+  std::string lcm_url;             // empty: LCM_DEFAULT_URL if it is set, else the built-in one
+  std::string channel_prefix;      // put before the name of every channel
+  std::string channel = "CAMERA";  // name of the channel of the images
   bool viewer = true;
-  double settle_s = 2.0;  // from the end of the input to the stop of the others
+  double settle_s = 2.0;  // from the end of the input to the stop of the other processes
 };
 
 struct AllOptions {

@@ -9,6 +9,7 @@
 
 #include "base/text/json_text.h"
 #include "bus/process/only_one.h"
+#include "bus/wire/tracking_state.h"
 #include "slam/map/tracking_state.h"
 
 namespace rumi::tool {
@@ -16,9 +17,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int64_t kRecentUs = 5'000'000;  // of what rates are made
-constexpr int64_t kShortestUs = 500'000;  // rates of less than this are chance: what waited comes at once
-constexpr int64_t kSilentUs = 3'000'000;  // every process tells its status once a second
+constexpr int64_t kRecentUs = 5'000'000;  // time over which rates are computed
+constexpr int64_t kShortestUs = 500'000;  // over less time a rate is chance: waiting messages arrive at once
+constexpr int64_t kSilentUs = 3'000'000;  // then a process is silent: each tells its status once a second
 constexpr std::array kProcessStates = {"starting", "running", "degraded", "stopping"};
 constexpr std::array kWindowStates = {"collecting", "queued",    "extracting", "matching",
                                       "mapping",    "published", "failed"};
@@ -34,15 +35,15 @@ double per_second(double amount, int64_t span_us) {
   return span_us >= kShortestUs ? rounded(amount * 1e6 / static_cast<double>(span_us)) : 0;
 }
 
-// 0 where no value is a number.
+// Returns 0 if no value is finite.
 double quantile(std::vector<double> values, double q) {
-  std::erase_if(values, [](double value) { return !std::isfinite(value); });  // they have no order
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });  // NaN cannot be sorted
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
   return rounded(values[static_cast<size_t>(q * static_cast<double>(values.size() - 1))]);
 }
 
-// Of messages, frames or bytes. Sums and differences of such numbers overflow nothing.
+// True for a plausible number of messages, frames or bytes: sums and differences of such numbers cannot overflow.
 bool is_count(int64_t n) { return n >= 0 && n < int64_t{1} << 45; }
 
 bool is_possible(const process_status_t& status) {
@@ -52,7 +53,7 @@ bool is_possible(const process_status_t& status) {
          });
 }
 
-// What takes most, in a line.
+// Returns a line with the stages that take most CPU time.
 std::string stages_text(const Json& cpu_ms) {
   constexpr size_t kLongest = 100;
   std::vector<std::pair<double, std::string>> stages;
@@ -66,6 +67,19 @@ std::string stages_text(const Json& cpu_ms) {
     line += next;
   }
   return line.empty() ? line : line + '\n';
+}
+
+std::string process_text(const std::string& name, const Json& p) {
+  std::string text = fmt::format("{:<18}{:<10}{:>8.1f}{:>8.1f}{:>9}{:>9}{:>8.1f}{:>10}{:>9.1f}\n", name,
+                                 p["state"].get<std::string>(), p["in_hz"].get<double>(), p["out_hz"].get<double>(),
+                                 p["dropped"].get<int64_t>() + p["undecodable"].get<int64_t>(),
+                                 p["waiting"].get<int64_t>(), p["cpu_percent"].get<double>(),
+                                 p["cpu_ms_per_frame"].is_null() ? "-" : json_text(p["cpu_ms_per_frame"]),
+                                 p["memory_mb"].get<double>());
+  text += stages_text(p["cpu_ms_per_frame_by_stage"]);
+  const bool says_why = p["state"] == "degraded" || name == "camera_driver";
+  if (says_why) text += fmt::format("  {}\n", p["detail"].get<std::string>());
+  return text;
 }
 
 }  // namespace
@@ -84,7 +98,7 @@ void LiveStatus::on_status(const process_status_t& status) {
   Process& process = processes_[status.process];
   if (!process.states.take(status.utime, bus_.now_us())) return;
   const bool same_run = process.latest.pid == status.pid && process.latest.host == status.host;
-  // It tells its status out of turn, too, where somebody asks, and at its end.
+  // A process also tells its status when it is asked, and at its end: too soon after the last one for a rate.
   if (same_run && status.utime - process.latest.utime >= kShortestUs) process.before = std::move(process.latest);
   if (!same_run) {
     process.before.reset();
@@ -105,7 +119,7 @@ void LiveStatus::on_track(const track_t& track) {
   while (tracks_.back().at_us - tracks_.front().at_us > kRecentUs) tracks_.pop_front();
 }
 
-// CPU ms a frame of each stage; nothing while no frame was tracked.
+// Returns the CPU ms per frame of each stage; an empty object before the first frame.
 Json LiveStatus::stages_json(const Process& process) const {
   const int64_t frames = process.frames();
   Json stages = Json::object();
@@ -158,7 +172,7 @@ Json LiveStatus::tracking_json() const {
       lost_by_bus += track.sequence - tracks_[i - 1].track.sequence - 1;
   }
   const auto frames = static_cast<double>(tracks_.size());
-  return {{"state", to_string(static_cast<TrackingState>(latest.state))},
+  return {{"state", to_string(state_from_wire(latest.state).value_or(TrackingState::kUnknown))},
           {"submap", latest.submap_id},
           {"inliers", latest.inliers},
           {"keypoints", latest.keypoints},
@@ -214,20 +228,11 @@ std::string LiveStatus::to_text() const {
   const Json json = to_json();
   std::string text = fmt::format("{:<18}{:<10}{:>8}{:>8}{:>9}{:>9}{:>8}{:>10}{:>9}\n", "process", "state", "in/s",
                                  "out/s", "dropped", "waiting", "CPU %", "ms/frame", "MB");
-  for (const auto& [name, p] : json["processes"].items()) {
-    text += fmt::format("{:<18}{:<10}{:>8.1f}{:>8.1f}{:>9}{:>9}{:>8.1f}{:>10}{:>9.1f}\n", name,
-                        p["state"].get<std::string>(), p["in_hz"].get<double>(), p["out_hz"].get<double>(),
-                        p["dropped"].get<int64_t>() + p["undecodable"].get<int64_t>(), p["waiting"].get<int64_t>(),
-                        p["cpu_percent"].get<double>(),
-                        p["cpu_ms_per_frame"].is_null() ? "-" : json_text(p["cpu_ms_per_frame"]),
-                        p["memory_mb"].get<double>());
-    text += stages_text(p["cpu_ms_per_frame_by_stage"]);
-    const bool says_why = p["state"] == "degraded" || name == "camera_driver";
-    if (says_why) text += fmt::format("  {}\n", p["detail"].get<std::string>());
-  }
+  for (const auto& [name, p] : json["processes"].items()) text += process_text(name, p);
   if (json.contains("tracking")) {
     const Json& t = json["tracking"];
-    // Not "of so many keypoints": where landmarks are followed by their patches, these are the landmarks found.
+    // The number of keypoints is left out. If landmarks are followed by their patches, it only counts the landmarks
+    // found.
     text += fmt::format("\ntracking  {}, submap {}, {} landmarks agree with the pose\n", t["state"].get<std::string>(),
                         t["submap"].get<int>(), t["inliers"].get<int>());
     text +=

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A running system at a glance, from the messages that it sends anyway.
+// The state of a running system, from the messages that its processes send anyway.
 #pragma once
 
 #include <deque>
@@ -19,13 +19,13 @@ namespace rumi::tool {
 
 class LiveStatus {
  public:
-  // Listens from now on; the bus must be dispatched.
+  // Begins to listen. The bus must be dispatched.
   explicit LiveStatus(Bus& bus);
 
-  // "processes": by name, "tracking", "map", "windows". Parts that nothing was heard of are missing. Rates are those of
-  // the latest seconds that were heard; CPU time a frame is that of all that was.
+  // Returns "processes" (by name), "tracking", "map" and "windows". A part is missing if no message on it was heard.
+  // Rates are those of the last seconds; CPU time per frame is over everything heard.
   nlohmann::ordered_json to_json() const;
-  // The same for a person, in lines of at most 100 characters but for what processes say of themselves.
+  // Returns the content of to_json() for a person. Lines have at most 100 characters, except for what processes say.
   std::string to_text() const;
 
  private:
@@ -33,7 +33,7 @@ class LiveStatus {
     NewestSender states{"", kLateUs};
     process_status_t latest;
     std::optional<process_status_t> before;
-    // When this run of it was heard of first: its status, and frames that had been tracked.
+    // The first status of this run of the process, and how many frames had been tracked by then.
     process_status_t first;
     int64_t frames_at_first = 0, frames_at_latest = 0;
     int64_t frames() const { return frames_at_latest - frames_at_first; }
@@ -53,8 +53,8 @@ class LiveStatus {
     int64_t at_us = 0;
     track_t track;
   };
-  std::deque<Heard> tracks_;  // of the latest seconds
-  int64_t frames_ = 0;        // heard of
+  std::deque<Heard> tracks_;  // tracks of the last seconds
+  int64_t frames_ = 0;        // number of frames heard of
   std::optional<map_status_t> map_;
   std::map<std::pair<int64_t, int32_t>, window_t> windows_;  // by session and id
 };

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What earlier runs have left: their map, which the next run goes on with, and windows that wait in their spool.
+// The map and the spool of earlier runs, with which the next run goes on.
 #pragma once
 
-#include <optional>
 #include <string>
+
+#include "base/result.h"
 
 namespace rumi::tool {
 
-// "300 frames of 2 earlier sessions". Nothing if there is none. Throws std::runtime_error, in map_server's words, if it
-// cannot be read.
-std::optional<std::string> describe_map_before(const std::string& database);
+// Returns, for example, "300 frames of 2 earlier sessions"; empty if there is no map, or one without frames. If the map
+// cannot be read, the Error is that of map_server.
+Result<std::string> describe_map_before(const std::string& database);
 
-// Gives both other names, so that the next run begins anew. Returns the name that the map has now, empty if there was
-// none. Nobody may have them open. Throws std::runtime_error with a message for the user.
-std::string set_aside(const std::string& database, const std::string& spool);
+// Renames the map and the spool, so that the next run begins anew. No process may have them open. Returns the new name
+// of the map; empty if there was no map. An Error if one of them cannot be renamed.
+Result<std::string> set_aside(const std::string& database, const std::string& spool);
 
 }  // namespace rumi::tool

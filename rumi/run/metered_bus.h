@@ -8,7 +8,7 @@
 
 namespace rumi::tool {
 
-// Adds the CPU time of its own life to a sum.
+// Adds the CPU time of its own lifetime to a sum.
 class CpuTimer {
  public:
   explicit CpuTimer(double* sum_s) : sum_s_(sum_s), begin_s_(process_cpu_s()) {}
@@ -23,7 +23,7 @@ class CpuTimer {
 
 class MeteredBus : public Bus {
  public:
-  // Both must outlive this.
+  // Adds the CPU seconds of all handlers to *cpu_s. `bus` and `cpu_s` must outlive this object.
   MeteredBus(Bus& bus, double* cpu_s) : bus_(bus), cpu_s_(cpu_s) {}
 
   bool publish_raw(const std::string& channel, std::span<const uint8_t> data) override {

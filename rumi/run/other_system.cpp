@@ -29,7 +29,7 @@ bool asked_before_us(const process_status_t& status, int64_t started_us) {
 
 }  // namespace
 
-std::string find_other_system(Bus& bus, const WantedPlaces& wanted, std::chrono::milliseconds listen) {
+Result<> find_other_system(Bus& bus, const WantedPlaces& wanted, std::chrono::milliseconds listen) {
   const int64_t started_us = bus.now_us();
   const auto ask = [&] { bus.publish(channels::kStatus, starting_status(kAsksEverybody, bus.now_us(), started_us)); };
   std::string found;
@@ -38,7 +38,7 @@ std::string find_other_system(Bus& bus, const WantedPlaces& wanted, std::chrono:
     if (!is_of_another(status)) return;
     const bool asks_too = status.process == kAsksEverybody;
     if (asks_too && !asked_before_us(status, started_us))
-      ask_again = true;  // it may have begun to listen after our question
+      ask_again = true;  // the other system may have begun to listen only after our question
     else if (asks_too || takes_a_place(status, wanted))
       found = describe(status);
   });
@@ -49,11 +49,11 @@ std::string find_other_system(Bus& bus, const WantedPlaces& wanted, std::chrono:
     if (std::exchange(ask_again, false)) ask();
   }
   if (found.empty()) return {};
-  return fmt::format(
+  return Error{fmt::format(
       "another system is on this bus ({}): it goes on, nothing was started here. Stop it first, or give this one a bus "
       "of "
       "its own with --set up.channel_prefix=NAME (and the same --channel-prefix for `rumi status` and the others)",
-      found);
+      found)};
 }
 
 }  // namespace rumi::tool

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Before `rumi up` starts anything: is somebody on the bus already?
+// Finds out whether another system is on the bus, before `rumi up` starts anything.
 #pragma once
 
 #include <chrono>
 #include <set>
 #include <string>
 
+#include "base/result.h"
 #include "bus/transport/bus.h"
 
 namespace rumi::tool {
 
 struct WantedPlaces {
-  std::set<std::string> processes;  // of which there may be one on the bus
-  std::string camera_channel;       // that a camera_driver is to publish on, as on the wire; empty: none is
+  std::set<std::string> processes;  // names of processes; the bus may have only one of each name
+  std::string camera_channel;  // camera_driver's channel for images, as on the wire; empty: no camera_driver is started
 };
 
-// Asks, and listens for so long. Returns who is there and what to do, for a person; empty: nobody. Of two who ask at
-// the same time the earlier one goes on.
-std::string find_other_system(Bus& bus, const WantedPlaces& wanted, std::chrono::milliseconds listen);
+// Asks for other processes, and listens for `listen`. An Error says which system was found and what to do. If two
+// systems ask at the same time, the earlier one may start.
+Result<> find_other_system(Bus& bus, const WantedPlaces& wanted, std::chrono::milliseconds listen);
 
 }  // namespace rumi::tool

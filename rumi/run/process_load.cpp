@@ -12,13 +12,13 @@
 namespace rumi::tool {
 namespace {
 
-constexpr double kLeastInterval_s = 0.5;  // a process that ends tells its status out of turn: too soon for a rate
+constexpr double kLeastInterval_s = 0.5;  // a status that follows sooner, as at a process's end, gives no rate
 
 }  // namespace
 
-ProcessLoad read_process_load(const std::string& log_file, std::string* error) {
+Result<ProcessLoad> read_process_load(const std::string& log_file) {
   ProcessLoad load;
-  std::map<std::string, process_status_t> counted;  // the last of each that a rate was taken to
+  std::map<std::string, process_status_t> counted;  // by process: the status with which the next rate begins
   int64_t first_us = 0;
   LogReader reader(log_file);
   while (const auto event = reader.next_on(channels::kStatus)) {
@@ -36,11 +36,9 @@ ProcessLoad read_process_load(const std::string& log_file, std::string* error) {
     if (same_process && std::isfinite(percent)) load.cpu_percent[status.process].emplace_back(at_s, percent);
     before->second = status;
   }
-  *error = counted.empty() && reader.error().empty()
-               ? fmt::format("{}: no process tells its status in it (channel {})", log_file, channels::kStatus)
-           : counted.empty() ? reader.error()
-                             : "";
-  return load;
+  if (!counted.empty()) return load;
+  if (!reader.error().empty()) return Error{reader.error()};
+  return Error{fmt::format("no process tells its status in it (channel {})", channels::kStatus), log_file};
 }
 
 }  // namespace rumi::tool

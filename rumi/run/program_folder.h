@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the programs of the processes are. Installed, only `rumi` is on the PATH: names such as map_server and
-// camera_driver are others', too (ROS has them).
+// Finds the programs of the processes. When installed, only `rumi` is on the PATH, because other packages (ROS) also
+// have programs named map_server and camera_driver.
 #pragma once
 
 #include <filesystem>
 
 namespace rumi::tool {
 
-// Of a `rumi` in the folder `bin`: the folder of the installed programs where there is one; else they are beside it, as
-// in a build tree.
+// Returns the folder of the programs for a `rumi` in the folder `bin`: that of the installed programs if it exists,
+// else `bin` itself, as in a build tree.
 std::filesystem::path program_folder_of(const std::filesystem::path& bin);
 
-// The folder of the `rumi` that runs.
+// Returns the folder of the `rumi` that is running.
 std::filesystem::path own_folder();
 
 }  // namespace rumi::tool

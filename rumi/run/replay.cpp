@@ -47,7 +47,7 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
   if (!map_server.localize_only) map_server.database = ":memory:";
   map_server.merge.thread = false;
   if (camera_driver::is_camera(input))
-    throw std::runtime_error(camera_driver::open_recording(input, options.camera_driver).error);
+    throw std::runtime_error(camera_driver::open_recording(input, options.camera_driver).error_text());
   camera_ = add<camera_driver::CameraNode>("camera_driver", input, options.camera_driver);
   auto* tracker = add<front_tracker::FrontTrackerNode>("front_tracker", front_tracker,
                                                        read_given_camera(front_tracker.camera_file));
@@ -65,7 +65,8 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
                                   const std::atomic<bool>&) { return build(job, folder, progress, *stop); };
   add<ruminator::RuminatorNode>("ruminator", ruminator, ruminator_hooks, read_given_camera(ruminator.camera_file));
   map_server_ = add<map_server::MapServerNode>("map_server", map_server);
-  // In a replay the clock does not tell one session from another: every folder of images begins at 0.
+  // Sessions are ordered by their numbers, which are times. A recording's times may be earlier than the map's (they may
+  // count from 0), so the sessions of this run get later numbers.
   if (const auto& submaps = map_server_->atlas().submaps(); !submaps.empty()) {
     earlier_sessions_ = submaps.rbegin()->first.session;
     tracker->begin_sessions_after(earlier_sessions_);
@@ -77,7 +78,7 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
 
 Replay::~Replay() = default;
 
-std::string Replay::record(const std::string& log_file) {
+Result<> Replay::record(const std::string& log_file) {
   if (!viewer_.series) {
     viewer_.output.clear();
     add<viewer_offscreen::ViewerNode>("viewer_offscreen", viewer_);
@@ -89,18 +90,19 @@ std::string Replay::record(const std::string& log_file) {
     if (!is_chunk) log_->write(bus_.now_us(), channel, data);
     return true;
   });
-  return log_->error();
+  if (!log_->error().empty()) return Error{log_->error()};
+  return {};
 }
 
-std::string Replay::close_log() {
+Result<> Replay::close_log() {
   if (!log_) return {};
   bus_.set_tap(nullptr);
-  const std::string error = log_->close() ? "" : log_->error();
-  log_.reset();
-  return error;
+  const std::unique_ptr<LogWriter> log = std::move(log_);
+  if (!log->close()) return Error{log->error()};
+  return {};
 }
 
-// Every component does what time and messages ask of it, and so on until no message is under way.
+// Lets every component handle its messages and do what is due, until no message is left.
 void Replay::settle() {
   bus_.dispatch();
   for (const auto& component : components_) {
@@ -119,7 +121,7 @@ bool Replay::step() {
     const CpuTimer timer(&camera.cpu_s);
     utime_us = camera_->next_utime_us();
     if (!utime_us) return false;
-    // The clock goes on where a recording's times go back.
+    // If the recording's times go back, the bus's clock goes on.
     if (*utime_us < last_utime_us_) clock_ahead_us_ += last_utime_us_ - *utime_us + kUsualPeriodUs;
     bus_.set_now_us(*utime_us + clock_ahead_us_);
     camera_->publish_next();
@@ -139,7 +141,7 @@ std::string Replay::finish() {
       component->node->finish();
     }
     settle();
-    // One after another: what a component hands on at its end must find the next one at work.
+    // The components end one after another: the next one must still handle what this one sends at its end.
     while (!component->node->finished() && bus_.now_us() < deadline_us) {
       bus_.set_now_us(bus_.now_us() + kFinishStepUs);
       settle();

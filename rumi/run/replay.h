@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All five components on one bus in one thread, in lockstep with the images: as fast as the machine goes, and with the
-// same result to the bit however fast that is.
+// Runs all five components on one bus in one thread, in lockstep with the images: as fast as the machine can, and with
+// the same result to the bit at any speed.
 #pragma once
 
 #include <atomic>
@@ -12,11 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "bus/process/safe_node.h"
 #include "bus/transport/log_file.h"
 #include "bus/transport/memory_bus.h"
 #include "map_server/map_server_node.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/trajectory_file.h"
 #include "rumi/run/all_options.h"
 #include "ruminator/rebuild/back_submap_builder.h"
 
@@ -35,57 +36,59 @@ namespace rumi::tool {
 class MeteredBus;
 
 struct ReplayProgress {
-  int64_t frames = 0;                  // images published
-  int64_t total = -1;                  // that there are, where the input tells
-  int64_t utime_us = 0;                // of the last one
-  std::function<std::string()> state;  // what front_tracker says of itself
+  int64_t frames = 0;                  // number of images published so far
+  int64_t total = -1;                  // images in the input; -1: unknown
+  int64_t utime_us = 0;                // time of the last published image
+  std::function<std::string()> state;  // returns front_tracker's status
 };
 
 struct ReplayHooks {
-  std::function<void(const ruminator::WindowJob&)> on_window;  // every window, complete
+  std::function<void(const ruminator::WindowJob&)> on_window;  // called for every complete window
   std::function<void(const ruminator::RuminationWindow&, const ruminator::BuildResult&)> on_rebuilt;
-  const std::atomic<bool>* stop = nullptr;  // calls off the rebuilding of windows where it becomes true; may be null
+  const std::atomic<bool>* stop = nullptr;  // when it becomes true, windows are no longer rebuilt; may be null
 };
 
 class Replay {
  public:
-  // Throws std::runtime_error with a message for the user (input, calibration, ...). Of the options, those that belong
-  // to a live system are overruled: no threads, no database file (but that to localize in is read), no spool, and
-  // no pictures unless a series of them or a log is asked for.
+  // Throws std::runtime_error, with a message for the user, for example on the input or the calibration. Options of a
+  // live system are overridden: there are no threads, no spool, no database file (only the one to localize in is read),
+  // and no pictures unless a series of them or a log is asked for.
   Replay(const AllOptions& options, const std::string& input, const ReplayHooks& hooks = {});
   ~Replay();
 
-  // Writes all messages from now on, pictures among them, into an lcm log, except the chunks of submaps and maps: what
-  // they carry is in the outputs. Call it before the first step. Empty, or why the file cannot be written.
-  std::string record(const std::string& log_file);
-  // Ends the log. Empty, or why it is not complete (file, reason).
-  std::string close_log();
+  // Writes all messages from now on into an lcm log, and adds the pictures of the viewer to them. The chunks of submaps
+  // and maps are left out, as the outputs contain their content. Call it before the first step. An Error if the file
+  // cannot be written.
+  Result<> record(const std::string& log_file);
+  // Ends the log. An Error, which names the file, if the log is not complete.
+  Result<> close_log();
 
-  // Publishes the next image and lets every component do all that follows from it. False when the input has ended.
+  // Publishes the next image, and lets every component do all that follows from it. Returns false at the end of the
+  // input.
   bool step();
-  // Ends everything in order and returns when nothing is left to do. Who was not finished after a minute of logical
-  // time, and with what; empty: all were.
+  // Ends all components in order, and returns when no work is left. Returns a note on the components that did not end
+  // within a minute of logical time; empty if all did.
   std::string finish();
 
   ReplayProgress progress();
   const map_server::Atlas& atlas() const { return map_server_->atlas(); }
   map_server::MapStore& store() { return map_server_->store(); }
-  // The last session that was there before: of the map to localize in.
+  // Returns the last session of the map to localize in; kNoSession if there is no such map.
   int64_t earlier_sessions() const { return earlier_sessions_; }
   std::optional<double> localized_after_s() const { return map_server_->localized_after_s(); }
-  // The recording, to look at its images again when all were played.
+  // Returns the recording, so that its images can be read again after the replay.
   camera_driver::ImageSource& recording();
-  // CPU seconds of each component so far.
+  // Returns the CPU seconds of each component so far.
   std::map<std::string, double> cpu_s() const;
-  // The same by stage.
+  // Returns the same CPU seconds by component and stage.
   std::map<std::string, std::map<std::string, double>> cpu_s_by_stage() const;
-  // Of the recording, and what front_tracker refused or found repeated.
+  // Returns the images that the recording left out, and those that front_tracker refused or found to be repeated.
   camera_driver::SkippedFrames skipped() const;
-  // Images of which front_tracker had a pose to find.
+  // Returns the number of images for which front_tracker tried to find a pose.
   int64_t decoded() const;
-  // That the map to localize in has another calibration of this recording; empty: it has not.
+  // Says that the map to localize in was made with another calibration of this recording; empty: it was not.
   const std::string& calibration_doubt() const { return map_server_->calibration_doubt(); }
-  // A line for each component that threw on the way.
+  // Returns a line for each component that threw an exception.
   std::vector<std::string> broken() const;
   std::vector<ChannelCounts> channel_counts() const { return bus_.counts(); }
 
@@ -93,7 +96,7 @@ class Replay {
   struct Component {
     std::string name;
     double cpu_s = 0;
-    std::map<std::string, double> stages_before;  // of earlier replays by this process
+    std::map<std::string, double> stages_before;  // CPU seconds of earlier replays in this process
     std::unique_ptr<MeteredBus> bus;
     std::unique_ptr<SafeNode> node;
   };
@@ -109,7 +112,7 @@ class Replay {
   map_server::MapServerNode* map_server_ = nullptr;
   int64_t earlier_sessions_ = map_server::kNoSession;
   int64_t frames_ = 0;
-  int64_t clock_ahead_us_ = 0;  // of the images' times
+  int64_t clock_ahead_us_ = 0;  // the bus's clock minus the images' times
   int64_t last_utime_us_ = 0;
   std::unique_ptr<LogWriter> log_;
 };

@@ -32,8 +32,8 @@ const std::atomic<bool>& listen_to_stop_signals() {
   action.sa_flags = SA_RESTART;
   action.sa_handler = on_stop;
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
-  // The kernel and the shell both tell of a closed terminal, and of the limit it is told each second. `nohup` means
-  // what it says.
+  // When a terminal is closed, both the kernel and the shell send SIGHUP, and SIGXCPU comes every second. So a second
+  // one of these must not end the process at once. If `nohup` ignores SIGHUP, it stays ignored.
   action.sa_handler = on_hint;
   struct sigaction before {};
   sigaction(SIGHUP, nullptr, &before);

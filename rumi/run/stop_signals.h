@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Long work that ends early when the user asks for it, and keeps what is done.
+// Lets long work end early when the user asks for it, and keep what is done.
 #pragma once
 
 #include <atomic>
@@ -7,11 +7,11 @@
 
 namespace rumi::tool {
 
-// From now on Ctrl-C, SIGTERM, a closed terminal (SIGHUP) and the soft limit of CPU time (SIGXCPU) set what is
-// returned. Who presses Ctrl-C (or sends SIGTERM) twice waits for nobody: the process ends at once.
+// From now on Ctrl-C, SIGTERM, a closed terminal (SIGHUP) and the soft limit of CPU time (SIGXCPU) set the returned
+// flag. A second Ctrl-C or SIGTERM ends the process at once.
 const std::atomic<bool>& listen_to_stop_signals();
 
-// What asked for the end: "Ctrl-C", "SIGTERM", ...; empty if nothing did.
+// Returns the signal that asked for the end: "Ctrl-C", "SIGTERM", ...; empty if none did.
 std::string what_stopped();
 
 }  // namespace rumi::tool

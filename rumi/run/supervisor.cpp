@@ -20,35 +20,37 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kLook{50};          // how often deaths are looked for
-constexpr milliseconds kAskToFinish{500};  // so often, and not before it has had time to install a handler
-constexpr size_t kLongestLine = 16384;     // a longer one is cut
-constexpr int kNotAgain = 2;               // exit code of all Rumi processes: starting again would not help
+constexpr milliseconds kLook{50};  // interval at which the processes are watched
+// A process is asked to end this long after its start, because it must install a handler first. It is asked again at
+// this interval.
+constexpr milliseconds kAskToFinish{500};
+constexpr size_t kLongestLine = 16384;  // bytes; a longer line is cut
 
 bool is_not_all(const ChildEnd& end) { return end.exited() && end.exit_code() == kNotAll; }
 bool ended_well(const ChildEnd& end) { return end.exited() && (end.exit_code() == 0 || is_not_all(end)); }
 
-// True if a thread of the process has a CPU, waits for one, or for a disk; on a busy machine work may get little CPU
-// time.
+// True if a thread of the process runs, waits for a CPU, or waits for a disk. Its CPU time would not tell, because it
+// may be little on a busy machine.
 bool is_at_work(pid_t pid) {
   std::error_code error;
   const std::string threads = fmt::format("/proc/{}/task", pid);
   for (std::filesystem::directory_iterator it(threads, error), end; !error && it != end; it.increment(error)) {
     std::string text;
     std::getline(std::ifstream(it->path() / "stat"), text);
-    const size_t name_end = text.rfind(')');  // the state follows
+    const size_t name_end = text.rfind(')');  // the state follows the name
     if (name_end == std::string::npos || name_end + 2 >= text.size()) continue;
     if (const char state = text[name_end + 2]; state == 'R' || state == 'D') return true;
   }
   return false;
 }
 
-// With processes that were asked to end: while any of all that run is at work, which the others may be waiting for.
+// Decides how long to wait for processes that were asked to end: as long as any process still works, because the others
+// may be waiting for it.
 class Patience {
  public:
   explicit Patience(const SupervisorOptions& options) : options_(options) {}
 
-  // Call every kLook. Returns why it is over, or an empty string.
+  // Call it every kLook. Returns an empty string, or the reason to wait no longer.
   std::string end(bool one_is_at_work) {
     const auto now = Clock::now();
     seen_at_work_ += one_is_at_work;
@@ -65,7 +67,7 @@ class Patience {
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr int kLooks = 6, kSeenAtWork = 3;  // who only waits is awake for a moment now and then
+  static constexpr int kLooks = 6, kSeenAtWork = 3;  // seen in 3 of 6 looks: a waiting process wakes up now and then
   const SupervisorOptions& options_;
   const Clock::time_point begin_ = Clock::now();
   Clock::time_point last_work_ = begin_;
@@ -74,7 +76,7 @@ class Patience {
 
 constexpr std::string_view kLevel = " error ";
 
-// "10:15:00.123 camera_driver error a.mp4: ...": what follows the level.
+// Returns "a.mp4: ..." for "10:15:00.123 camera_driver error a.mp4: ...".
 std::string without_log_head(const std::string& line) {
   const size_t level = line.find(kLevel);
   return level == std::string::npos ? line : line.substr(level + kLevel.size());
@@ -92,16 +94,17 @@ Supervisor::Supervisor(std::vector<Supervised> processes, const SupervisorOption
   }
 }
 
-// Returns why it cannot be started, or an empty string.
-std::string Supervisor::start(Process& process) {
+Result<> Supervisor::start(Process& process) {
   ChildLaunch launch;
   launch.arguments = process.what.command;
-  launch.death_signal = SIGTERM;  // when we are killed it may end what it is at
+  launch.death_signal = SIGTERM;  // if the supervisor is killed, the process can still end in order
   launch.held_signals = {SIGUSR1, SIGUSR2};
-  std::string error;
-  process.child = Child::start(launch, &error);
+  Result<Child> child = Child::start(launch);
   process.started = Clock::now();
-  return process.child ? "" : fmt::format("{} cannot be started: {}", process.what.name, error);
+  process.child.reset();
+  if (!child) return Error{fmt::format("{} cannot be started: {}", process.what.name, child.error_text())};
+  process.child = std::move(*child);
+  return {};
 }
 
 void Supervisor::take_line(Process& process, const std::string& line) {
@@ -138,19 +141,20 @@ void Supervisor::read_output(milliseconds timeout) {
   const auto begin = Clock::now();
   poll(fds.data(), fds.size(), static_cast<int>(timeout.count()));
   for (Process& process : processes_) drain(process);
-  // A pipe at its end is always ready: without a rest, waiting for its process's death would be a busy loop.
+  // A pipe that was closed is always ready: without a pause, waiting for its process to die would be a busy loop.
   const bool hung_up = std::any_of(fds.begin(), fds.end(), [](const pollfd& fd) { return fd.revents & POLLHUP; });
   if (hung_up && Clock::now() - begin < timeout / 2) usleep(5000);
 }
 
 std::optional<ChildEnd> Supervisor::reap(Process& process) {
   if (!process.child || !process.child->has_ended()) return std::nullopt;
-  const ChildEnd end = process.child->reap();  // and with it what it may have left behind, such as COLMAP
+  const ChildEnd end = process.child->reap();  // also ends the children of the process, such as COLMAP
   drain(process);
   if (!process.partial.empty()) take_line(process, process.partial);
   process.partial.clear();
   process.child.reset();
-  const bool was_cut_short = process.what.source && process.finished;  // by us: its end is the user's
+  const bool was_cut_short =
+      process.what.source && process.finished;  // the supervisor stopped it, because the user ended the run
   if (is_not_all(end) && !was_cut_short) {
     not_all_ = true;
     complaints_.insert(complaints_.end(), process.last_errors.begin(), process.last_errors.end());
@@ -159,29 +163,30 @@ std::optional<ChildEnd> Supervisor::reap(Process& process) {
   return end;
 }
 
-// Returns why everything must be given up, or plans a restart.
-std::string Supervisor::on_death(Process& process, const ChildEnd& end) {
+// Plans a restart of the process. An Error if the supervisor must give up.
+Result<> Supervisor::on_death(Process& process, const ChildEnd& end) {
   const std::string what = fmt::format("{} {}", process.what.name, end.describe());
-  if (end.exited() && end.exit_code() == kNotAgain) return what + ": starting it again would not help";
+  if (end.exited() && end.exit_code() == kNotAgain) return Error{what + ": starting it again would not help"};
   if (end.exited() && process.what.fails_once)
-    return process.last_line.empty() ? what
-                                     : fmt::format("{}: {}", process.what.name, without_log_head(process.last_line));
+    return Error{process.last_line.empty()
+                     ? what
+                     : fmt::format("{}: {}", process.what.name, without_log_head(process.last_line))};
   const auto now = Clock::now();
   process.failed_starts = now - process.started < options_.failed_start ? process.failed_starts + 1 : 0;
   if (process.failed_starts >= options_.max_failed_starts) {
-    return fmt::format("{}, {} times in a row right after its start{}", what, process.failed_starts,
-                       process.last_line.empty() ? "" : ": " + without_log_head(process.last_line));
+    return Error{fmt::format("{}, {} times in a row right after its start{}", what, process.failed_starts,
+                             process.last_line.empty() ? "" : ": " + without_log_head(process.last_line))};
   }
-  // Every image that comes meanwhile is lost, so who has worked for long is not waited for.
+  // Every image that comes meanwhile is lost, so a process that had run for long is restarted at once.
   if (now - process.started > options_.restart_delay_max) process.delay = milliseconds(0);
   const auto delay_s = std::chrono::duration<double>(process.delay).count();
   say(fmt::format("{}; starting it again {}", what, delay_s > 0 ? fmt::format("in {:.1f} s", delay_s) : "at once"));
   process.restart_at = now + process.delay;
   process.delay = std::min(std::max(2 * process.delay, options_.restart_delay), options_.restart_delay_max);
-  return "";
+  return {};
 }
 
-std::string Supervisor::watch(bool* source_ended) {
+Result<> Supervisor::watch(bool* source_ended) {
   for (Process& process : processes_) {
     if (process.is_beside) continue;
     if (const std::optional<ChildEnd> end = reap(process)) {
@@ -193,14 +198,14 @@ std::string Supervisor::watch(bool* source_ended) {
         process.finished = true;
         continue;
       }
-      if (std::string reason = on_death(process, *end); !reason.empty()) return reason;
+      if (const Result<> planned = on_death(process, *end); !planned) return planned;
     } else if (!process.child && !process.finished && Clock::now() >= process.restart_at) {
       const bool again = process.started != Clock::time_point();
-      if (std::string reason = start(process); !reason.empty()) return reason;
+      if (const Result<> started = start(process); !started) return started;
       restarts_ += again;
     }
   }
-  return "";
+  return {};
 }
 
 void Supervisor::kill_now(Process& process) {
@@ -245,13 +250,13 @@ void Supervisor::stop_all(const std::atomic<bool>& at_once, const std::function<
   }
 }
 
-// Whoever dies meanwhile is started and asked again.
-std::string Supervisor::await_finish(const std::atomic<bool>& stop) {
+// Asks the processes with `finishes` to end, and waits for them. One that dies meanwhile is restarted and asked again.
+Result<> Supervisor::await_finish(const std::atomic<bool>& stop) {
   const auto works = [](const Process& process) { return process.what.finishes && !process.finished; };
   finishing_ = true;
   bool source_ended = true;
-  std::string reason;
-  while (!stop && reason.empty() && std::any_of(processes_.begin(), processes_.end(), works)) {
+  Result<> alive;
+  while (!stop && alive && std::any_of(processes_.begin(), processes_.end(), works)) {
     for (Process& process : processes_) {
       const bool is_due = Clock::now() - std::max(process.started, process.asked) >= kAskToFinish;
       if (!works(process) || !process.child || !is_due) continue;
@@ -259,9 +264,9 @@ std::string Supervisor::await_finish(const std::atomic<bool>& stop) {
       process.child->send(SIGUSR1);
     }
     read_output(kLook);
-    reason = watch(&source_ended);
+    alive = watch(&source_ended);
   }
-  return reason;
+  return alive;
 }
 
 void Supervisor::ask_to_reload() const {
@@ -269,54 +274,55 @@ void Supervisor::ask_to_reload() const {
     if (process.what.reloads && process.child) process.child->send(SIGUSR2);
 }
 
-std::string Supervisor::run_beside(const Supervised& what, const std::atomic<bool>& at_once) {
+Result<> Supervisor::run_beside(const Supervised& what, const std::atomic<bool>& at_once) {
   Process& process = processes_.emplace_back();
   process.what = what;
   process.is_beside = true;
-  std::string error = start(process);
-  if (error.empty()) {
+  Result<> result = start(process);
+  if (result) {
     std::optional<ChildEnd> end;
     bool source_ended = true;
-    while (!at_once && error.empty() && !(end = reap(process))) {
+    while (!at_once && result && !(end = reap(process))) {
       read_output(kLook);
-      error = watch(&source_ended);
+      result = watch(&source_ended);
     }
     if (process.child) {
       kill_now(process);
-      error = fmt::format("{} was killed, as {}", what.name, error.empty() ? "everything is to end at once" : error);
+      result = Error{fmt::format("{} was killed, as {}", what.name,
+                                 result ? "everything is to end at once" : result.error().text())};
     } else if (!end->exited() || end->exit_code() != 0) {
-      error = fmt::format("{} {}", what.name, end->describe());
+      result = Error{fmt::format("{} {}", what.name, end->describe())};
     }
   }
   processes_.pop_back();
-  return error;
+  return result;
 }
 
-std::string Supervisor::run(const std::atomic<bool>& stop, const std::atomic<bool>& at_once, const Hooks& hooks) {
-  std::string reason;
+Result<> Supervisor::run(const std::atomic<bool>& stop, const std::atomic<bool>& at_once, const Hooks& hooks) {
+  Result<> alive;
   for (Process& process : processes_) {
     process.restart_at = Clock::now() + options_.source_delay;
-    if (!process.what.source && reason.empty()) reason = start(process);
+    if (!process.what.source && alive) alive = start(process);
   }
   bool source_ended = false;
-  while (!stop && !source_ended && reason.empty()) {
+  while (!stop && !source_ended && alive) {
     read_output(kLook);
     if (hooks.reload && hooks.reload()) ask_to_reload();
-    reason = watch(&source_ended);
+    alive = watch(&source_ended);
   }
   if (source_ended) {
     const auto settled = Clock::now() + options_.settle;
-    while (!stop && reason.empty() && Clock::now() < settled) {
+    while (!stop && alive && Clock::now() < settled) {
       read_output(kLook);
-      reason = watch(&source_ended);
+      alive = watch(&source_ended);
     }
   }
-  // First, so that the others have time for what they have.
+  // The source is stopped first, so that the other processes have time to complete their work.
   stop_those([](const Supervised& what) { return what.source; }, at_once);
-  if (reason.empty() && hooks.before_stop && !at_once) hooks.before_stop();
-  if (source_ended && reason.empty()) reason = await_finish(stop);
-  stop_all(at_once, reason.empty() ? hooks.before_last_stage : nullptr);
-  return reason;
+  if (alive && hooks.before_stop && !at_once) hooks.before_stop();
+  if (source_ended && alive) alive = await_finish(stop);
+  stop_all(at_once, alive ? hooks.before_last_stage : nullptr);
+  return alive;
 }
 
 }  // namespace rumi::tool

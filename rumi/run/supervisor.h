@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Starts processes, prefixes their output with their names, starts those again that die, and stops all of them in
-// order.
+// Starts processes, puts their names before the lines of their output, restarts those that die, and stops all in order.
 #pragma once
 
 #include <atomic>
@@ -11,30 +10,31 @@
 #include <vector>
 
 #include "base/child/child_process.h"
+#include "base/result.h"
 
 namespace rumi::tool {
 
 struct Supervised {
   std::string name;
-  std::vector<std::string> command;  // executable (path) and arguments
-  bool source = false;               // the input: when it ends with success, everything ends
-  int stop_stage = 0;                // stages are stopped one after another, lowest first
-  bool finishes = false;             // at the end of the source it is asked (SIGUSR1) to end when its work is done
-  bool reloads = false;              // reads its options again when asked (SIGUSR2)
-  bool fails_once = false;           // when it ends with a failure, another start would end so, too
+  std::vector<std::string> command;  // path of the program, and its arguments
+  bool source = false;               // the source of images: when it ends with success, everything ends
+  int stop_stage = 0;                // processes are stopped stage by stage, the lowest first
+  bool finishes = false;             // when the source has ended, it is asked (SIGUSR1) to end after its work
+  bool reloads = false;              // it reads its options again when asked (SIGUSR2)
+  bool fails_once = false;           // it is not restarted after a failure, as it would fail again
 };
 
 struct SupervisorOptions {
   std::chrono::milliseconds source_delay{1000};  // the source starts later, so that the others hear all of it
-  // A process that died soon after its start waits so long for the next one; the wait doubles each time, up to
-  // restart_delay_max. A process that ran for longer than that is started again at once.
+  // A process that died is restarted after this delay, which doubles with each death up to restart_delay_max. A process
+  // that had run for longer than restart_delay_max is restarted at once.
   std::chrono::milliseconds restart_delay{500};
   std::chrono::milliseconds restart_delay_max{10000};
-  std::chrono::milliseconds failed_start{2000};  // a process that dies within this time did not start
-  int max_failed_starts = 3;                     // of one process, in a row; then the supervisor gives up
+  std::chrono::milliseconds failed_start{2000};  // a process that dies within this time counts as not started
+  int max_failed_starts = 3;                     // failed starts of one process in a row; then the supervisor gives up
   std::chrono::milliseconds settle{2000};        // from the end of the source to the stop of the others
-  // A process that was asked to end is killed after stop_idle in which no running process did any work (they wait 5 s
-  // for one another), and after stop_limit in any case.
+  // A process that was asked to end is killed if no process has done any work for stop_idle (processes wait up to 5 s
+  // for each other), and after stop_limit in any case.
   std::chrono::milliseconds stop_idle{6500};
   std::chrono::milliseconds stop_limit{60000};
 };
@@ -48,51 +48,54 @@ class Supervisor {
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  // Called while the processes run and before they are stopped; the first two not if the supervisor gave up.
+  // Called while the processes run. The first two are not called if the supervisor gave up, or if everything is to end
+  // at once.
   struct Hooks {
-    std::function<void()> before_stop;        // all processes except the source are alive
-    std::function<void()> before_last_stage;  // only those of the last stage are alive
-    std::function<bool()> reload;             // called often; true: processes that can are asked to read their options
+    std::function<void()> before_stop;        // all processes except the source still run
+    std::function<void()> before_last_stage;  // only the processes of the last stage still run
+    // Called often. If it returns true, processes with `reloads` are asked to read their options again.
+    std::function<bool()> reload;
   };
   // Runs until the source and the processes with `finishes` have ended, `stop` becomes true, or a process cannot be
-  // kept alive. When `at_once` becomes true, processes that still run are killed. Returns an empty string, or why the
-  // supervisor gave up.
-  std::string run(const std::atomic<bool>& stop, const std::atomic<bool>& at_once, const Hooks& hooks);
+  // kept alive; then stops all processes. When `at_once` becomes true, those that still run are killed. An Error says
+  // why the supervisor gave up.
+  Result<> run(const std::atomic<bool>& stop, const std::atomic<bool>& at_once, const Hooks& hooks);
 
-  // For use in a hook: runs a process to its end, or until `at_once` becomes true. Meanwhile the output of the others
-  // is read (a process whose pipe is full would stand still), and those that die are started again. Returns an empty
-  // string, or why the process failed.
-  std::string run_beside(const Supervised& what, const std::atomic<bool>& at_once);
+  // Call it only in a hook. Runs a process to its end, or until `at_once` becomes true. Meanwhile it reads the output
+  // of the other processes (which would stop when their pipes are full), and restarts those that die. An Error says why
+  // the process failed.
+  Result<> run_beside(const Supervised& what, const std::atomic<bool>& at_once);
 
   int restarts() const { return restarts_; }
-  // A process ended with kNotAll: not all of the input was played, or the run was not localized.
+  // True if a process ended with kNotAll: not all of the input was played, or the run was not localized.
   bool not_all() const { return not_all_; }
-  // What those processes said last, as errors: "front_tracker: 75 of 150 images refused: ...".
+  // The last lines of the processes that ended with kNotAll, if these lines were errors, such as "front_tracker: 75 of
+  // 150 images refused: ...".
   const std::vector<std::string>& complaints() const { return complaints_; }
 
  private:
   using Clock = std::chrono::steady_clock;
   struct Process {
     Supervised what;
-    std::optional<Child> child;            // while it runs
-    std::string partial;                   // a line without its end
-    std::string last_line;                 // before that
-    std::vector<std::string> last_errors;  // the last lines, as far as they are errors
+    std::optional<Child> child;            // absent if the process does not run
+    std::string partial;                   // the beginning of a line that is not yet complete
+    std::string last_line;                 // the last complete line
+    std::vector<std::string> last_errors;  // the errors with which the output ends
     Clock::time_point started, restart_at, asked;
     std::chrono::milliseconds delay{0};
     int failed_starts = 0;
-    bool finished = false;   // ended by itself or when asked to, and need not live any more
+    bool finished = false;   // has ended as it should, so it is not restarted
     bool is_beside = false;  // see run_beside()
   };
 
-  std::string start(Process& process);
+  Result<> start(Process& process);
   void read_output(std::chrono::milliseconds timeout);
   void drain(Process& process);
   void take_line(Process& process, const std::string& line);
-  std::string watch(bool* source_ended);
+  Result<> watch(bool* source_ended);
   void ask_to_reload() const;
-  std::string await_finish(const std::atomic<bool>& stop);
-  std::string on_death(Process& process, const ChildEnd& end);
+  Result<> await_finish(const std::atomic<bool>& stop);
+  Result<> on_death(Process& process, const ChildEnd& end);
   void stop_those(const std::function<bool(const Supervised&)>& is_meant, const std::atomic<bool>& at_once);
   void kill_now(Process& process);
   void stop_all(const std::atomic<bool>& at_once, const std::function<void()>& before_last_stage);

@@ -16,9 +16,9 @@ namespace rumi::tool {
 namespace {
 
 constexpr int kLooks = 8;
-constexpr double kFlat = 3;                  // grey values, standard deviation
-constexpr double kBlurred = 1;               // grey values, standard deviation of the Laplacian
-constexpr double kDark = 16, kBright = 239;  // grey values, mean
+constexpr double kFlat = 3;     // grey values: an image with a smaller standard deviation shows nothing
+constexpr double kBlurred = 1;  // grey values: an image with a smaller standard deviation of its Laplacian is blurred
+constexpr double kDark = 16, kBright = 239;  // mean grey values of an image that is black or white
 
 struct Look {
   double mean = 0, deviation = 0, detail = 0;
@@ -28,8 +28,7 @@ std::vector<Look> look_at(camera_driver::ImageSource& source) {
   std::vector<Look> looks;
   const int64_t step = std::max<int64_t>(1, source.total() / kLooks);
   for (int64_t i = 0; const std::optional<image_t> image = source.next(); ++i) {
-    std::string ignored;
-    const cv::Mat grey = i % step == 0 ? decode_grey(*image, &ignored) : cv::Mat();
+    const cv::Mat grey = i % step == 0 ? decode_grey(*image).value_or(cv::Mat()) : cv::Mat();
     if (grey.empty()) continue;
     cv::Scalar mean, deviation, of_detail, detail;
     cv::meanStdDev(grey, mean, deviation);
@@ -46,15 +45,15 @@ std::vector<Look> look_at(camera_driver::ImageSource& source) {
 std::string why_no_map(const std::string& recording, const camera_driver::CameraOptions& options) {
   const std::string nothing = "no image has a pose: ";
   const camera_driver::OpenedSource opened = camera_driver::open_recording(recording, options);
-  if (!opened.ok()) return nothing + opened.error;
-  const Camera& camera = opened.source->camera();
+  if (!opened) return nothing + opened.error_text();
+  const Camera& camera = (*opened)->camera();
   if (const std::string few = camera_driver::too_few_pixels(camera.width, camera.height); !few.empty())
     return nothing + few;
   constexpr int64_t kLeastImages = 3;
-  if (const int64_t images = opened.source->total(); images > 0 && images < kLeastImages)
+  if (const int64_t images = (*opened)->total(); images > 0 && images < kLeastImages)
     return fmt::format("{}{} {}: a map needs at least {}, from different places", nothing, images,
                        images == 1 ? "image" : "images", kLeastImages);
-  const std::vector<Look> looks = look_at(*opened.source);
+  const std::vector<Look> looks = look_at(**opened);
   if (looks.empty()) return nothing + "none can be decoded";
   const auto of_all = [&looks](double Look::*member) {
     std::vector<double> values;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Why a recording gave no map, as far as its images tell.
+// Finds out from a recording's images why it gave no map.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace rumi::tool {
 
-// Looks at some images of the part that was played. One sentence, with what to do.
+// Looks at some images of the part that was played. Returns one sentence that also says what to do.
 std::string why_no_map(const std::string& recording, const camera_driver::CameraOptions& options);
 
 }  // namespace rumi::tool

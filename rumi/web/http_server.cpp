@@ -18,10 +18,11 @@
 namespace rumi::tool {
 namespace {
 
-constexpr unsigned kMoreConnections = 16;  // which are told that they are too many; others wait to be accepted
+// Connections beyond kMaxConnections that get an answer: that there are too many. Others wait to be accepted.
+constexpr unsigned kMoreConnections = 16;
 constexpr size_t kEventBlockBytes = 65536;
 
-// The page needs nothing from elsewhere, and nobody else is to show it or to read from it.
+// The page needs nothing from other servers. No other page may show it or read from it.
 constexpr std::pair<const char*, const char*> kHeaders[] = {
     {"Content-Security-Policy",
      "default-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
@@ -33,7 +34,8 @@ constexpr std::pair<const char*, const char*> kHeaders[] = {
     {"Cache-Control", "no-store"},
 };
 
-// Of "localhost:8642" or "[::1]:8642". Any port: it may be forwarded, as by `ssh -L`.
+// True if the header Host names this computer: "localhost:8642", "[::1]:8642". Any port is accepted, because it may be
+// forwarded, for example by `ssh -L`.
 bool is_this_computer(std::string_view host) {
   const size_t colon = host.rfind(':');
   const bool has_port = colon != std::string_view::npos && host.find(']', colon) == std::string_view::npos;
@@ -41,7 +43,8 @@ bool is_this_computer(std::string_view host) {
   return strcasecmp(name.c_str(), "localhost") == 0 || name == "127.0.0.1" || name == "[::1]";
 }
 
-// A page of somebody else may reach this port by a name that its DNS points here: the header Host says which was used.
+// True if the request names this computer. The page of another site can reach this port by a name that its DNS resolves
+// to 127.0.0.1, but the header Host has the name that was used.
 bool is_for_this_computer(MHD_Connection* connection) {
   std::vector<std::string> hosts;
   const auto note = [](void* found, MHD_ValueKind, const char* name, const char* value) {
@@ -52,7 +55,7 @@ bool is_for_this_computer(MHD_Connection* connection) {
   return hosts.size() == 1 && is_this_computer(hosts.front());
 }
 
-// The body is shared with the answer, not copied. The library does not write to it.
+// The answer shares the body and does not copy it. libmicrohttpd does not write to it.
 MHD_Response* response_of(const std::shared_ptr<const std::string>& body) {
   auto* const kept = new std::shared_ptr<const std::string>(body ? body : std::make_shared<const std::string>());
   return MHD_create_response_from_buffer_with_free_callback_cls(
@@ -69,9 +72,9 @@ HttpAnswer text_answer(int status, const std::string& text) {
 struct HttpServer::Listener {
   HttpServer* server;
   MHD_Connection* connection;
-  std::map<std::string, int64_t> told = {};  // the number of the event of each name
+  std::map<std::string, int64_t> told = {};  // by name of the event: number of the latest one that was put into `out`
   std::string out = {};
-  size_t sent = 0;  // of out
+  size_t sent = 0;  // bytes of `out` that were sent
   bool waits = false, gone = false;
 
   void go_on() {
@@ -97,17 +100,17 @@ struct HttpServer::Listener {
 };
 
 struct HttpServer::Calls {
-  // Of a request first when its head is there, then for each part of its body, then when it is whole.
+  // Called when the head of a request has arrived, for each part of its body, and when the request is complete.
   static MHD_Result on_request(void* self, MHD_Connection* connection, const char* path, const char* method,
                                const char*, const char*, size_t* body_bytes, void** state) {
-    if (*body_bytes > 0) return MHD_NO;  // nothing is to be sent here: closed
+    if (*body_bytes > 0) return MHD_NO;  // closes the connection of a request that has a body
     const bool has_begun = std::exchange(*state, self) == nullptr;
     const bool reads = std::strcmp(method, "GET") == 0 || std::strcmp(method, "HEAD") == 0;
     if (has_begun && reads) return MHD_YES;
     auto* const server = static_cast<HttpServer*>(self);
     try {
       return answer(*server, connection, server->checked_answer(connection, path, reads));
-    } catch (const std::exception& e) {  // must not pass through the library
+    } catch (const std::exception& e) {  // exceptions must not pass through the C library
       return answer(*server, connection, text_answer(MHD_HTTP_INTERNAL_SERVER_ERROR, e.what()));
     }
   }
@@ -159,7 +162,7 @@ HttpServer::HttpServer(int port, Answer answer, unsigned patience_seconds) : ans
 }
 
 HttpServer::~HttpServer() {
-  for (Listener& listener : listeners_) listener.go_on();  // the library aborts if one is suspended
+  for (Listener& listener : listeners_) listener.go_on();  // the library aborts if a connection is suspended
   MHD_stop_daemon(daemon_);
 }
 
@@ -173,10 +176,10 @@ void HttpServer::tell(const std::string& event, const std::string& data) {
 void HttpServer::serve(int timeout_ms) {
   leave_who_is_gone();
   MHD_run_wait(daemon_, timeout_ms);
-  if (listeners_.empty()) events_.clear();  // who comes later is to hear nothing that is old
+  if (listeners_.empty()) events_.clear();  // a new listener must not hear an old event
 }
 
-// The library does not look at a connection that is suspended.
+// Ends the connections of clients that are gone. libmicrohttpd does not look at suspended connections.
 void HttpServer::leave_who_is_gone() {
   for (Listener& listener : listeners_) {
     const auto* info = MHD_get_connection_info(listener.connection, MHD_CONNECTION_INFO_CONNECTION_FD);

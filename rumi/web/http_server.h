@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Serves a page to browsers on this computer by GNU libmicrohttpd, in the thread of whoever calls serve(): nothing
-// waits for a client. What is kept for a client is one answer, or for one that listens to events (server-sent events)
-// the newest event of each name, however slowly it reads.
+// Serves a page to browsers on this computer with GNU libmicrohttpd, in the thread that calls serve(). A slow client
+// never makes others wait: for each client the server keeps one answer, or, if the client listens to events
+// (server-sent events), the newest event of each name.
 #pragma once
 
 #include <cstdint>
@@ -20,27 +20,28 @@ struct HttpAnswer {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::shared_ptr<const std::string> body = {};
-  bool events = false;  // the connection stays open, and gets what is told
+  bool events = false;  // the connection stays open and gets the events of tell()
 };
 HttpAnswer text_answer(int status, const std::string& text);
 
 class HttpServer {
  public:
   static constexpr size_t kMaxConnections = 64, kMaxListeners = 8;
-  static constexpr unsigned kPatienceSeconds = 30;  // with a client that neither asks nor reads
-  // To a GET of this path, which is without what follows a '?'.
+  static constexpr unsigned kPatienceSeconds = 30;  // then a client that neither asks nor reads is cut off
+  // Returns the answer to a GET of this path, which has no query ("?...").
   using Answer = std::function<HttpAnswer(const std::string& path)>;
 
-  // On 127.0.0.1; port 0: any that is free. Throws std::runtime_error with a message for the user.
+  // Listens on 127.0.0.1. port 0: any free port. Throws std::runtime_error with a message for the user.
   HttpServer(int port, Answer answer, unsigned patience_seconds = kPatienceSeconds);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
   int port() const;
-  // Waits up to timeout_ms for something to do and does what can be done at once.
+  // Waits up to timeout_ms for requests, and does what can be done without waiting for a client.
   void serve(int timeout_ms);
-  // To all listeners, now and later; takes the place of the event of that name that was told before.
+  // Sends the event to all listeners. It replaces an earlier event of this name. A client that begins to listen while
+  // others do gets the newest event of each name.
   void tell(const std::string& event, const std::string& data);
   size_t listeners() const { return listeners_.size(); }
 
@@ -50,7 +51,7 @@ class HttpServer {
     std::string text;
   };
   struct Listener;
-  struct Calls;  // what the library calls
+  struct Calls;  // callbacks for the library
 
   HttpAnswer checked_answer(MHD_Connection* connection, const std::string& path, bool reads);
   void leave_who_is_gone();

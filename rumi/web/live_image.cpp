@@ -12,18 +12,17 @@
 namespace rumi::tool {
 namespace {
 
-constexpr int kWidth = 480;  // pixels at most
+constexpr int kWidth = 480;  // pixels, at most
 constexpr int kQuality = 75;
 
-// Not much larger than it is shown; empty if it cannot be decoded: others tell of that.
+// Returns the image reduced to about the size in which it is shown; empty if it cannot be decoded. front_tracker counts
+// such images.
 cv::Mat decode_small(const image_t& image) {
-  std::string ignored = check_image(image);
-  if (!ignored.empty()) return {};
+  if (!check_image(image)) return {};
   int reduction = 1;
   while (reduction < 8 && image.width / (2 * reduction) >= kWidth) reduction *= 2;
-  cv::Mat pixels = image.pixelformat == image_t::PIXEL_FORMAT_MJPEG
-                       ? decode_jpeg(image.data, false, &ignored, reduction)
-                       : decode_bgr(image, &ignored);
+  const bool is_jpeg = image.pixelformat == image_t::PIXEL_FORMAT_MJPEG;
+  cv::Mat pixels = (is_jpeg ? decode_jpeg(image.data, false, reduction) : decode_bgr(image)).value_or(cv::Mat());
   if (pixels.cols <= kWidth) return pixels;
   cv::Mat small;
   const int height = static_cast<int>(std::lround(double(kWidth) * pixels.rows / pixels.cols));
@@ -34,7 +33,7 @@ cv::Mat decode_small(const image_t& image) {
 }  // namespace
 
 LiveImage::LiveImage(Bus& bus) {
-  // Not decoded while nobody looks.
+  // While nobody looks, images are dropped and not decoded.
   bus.subscribe_raw(channels::kCamera, {.capacity = 1, .drop = DropPolicy::kDropOldest},
                     [this](std::span<const uint8_t> data) {
                       if (!watched_) return true;

@@ -12,16 +12,17 @@
 
 namespace rumi::tool {
 
-// The newest image of the camera, smaller, as a JPEG. Nothing is decoded that nobody asks for.
+// Keeps the camera's newest image, and returns it reduced, as a JPEG. An image is decoded only if somebody asks for it.
 class LiveImage {
  public:
-  static constexpr int64_t kPeriodUs = 200'000;  // from one JPEG to the next at least
+  static constexpr int64_t kPeriodUs = 200'000;  // between two JPEGs, at least
 
   explicit LiveImage(Bus& bus);
   void set_watched(bool watched) { watched_ = watched; }
-  // When it was taken; nothing: none came while somebody looked.
+  // Returns the time of the newest image. Absent if none has come while somebody looked.
   std::optional<int64_t> utime_us() const;
-  // Nothing if there is none or it is broken.
+  // Returns the newest image as a JPEG. A new one is made every kPeriodUs at most; until then the last one is returned
+  // again. Null if there is no image or it is broken.
   std::shared_ptr<const std::string> jpeg(int64_t now_us);
 
  private:

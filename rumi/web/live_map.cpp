@@ -10,7 +10,9 @@
 #include "base/running/due.h"
 #include "base/text/json_text.h"
 #include "base/this_process/process_name.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
+#include "bus/wire/tracking_state.h"
 #include "rumi/web/submap_blob.h"
 #include "slam/map/tracking_state.h"
 #include "viewer_offscreen/canvas/palette.h"
@@ -24,9 +26,9 @@ using viewer_offscreen::Scene;
 using viewer_offscreen::SubmapView;
 
 constexpr int64_t kRefreshUs = 1'000'000;
-constexpr int64_t kWholePauseUs = 3'000'000;  // a submap that others were joined to travels whole
-constexpr size_t kMostFrames = 100'000;       // an hour at 30 Hz
-constexpr size_t kMostSpans = 1000;           // a bar is some 1000 pixels wide
+constexpr int64_t kWholePauseUs = 3'000'000;  // between requests for a placed submap, as it is sent whole
+constexpr size_t kMostFrames = 100'000;       // frames to keep: an hour at 30 Hz
+constexpr size_t kMostSpans = 1000;           // spans in the timeline; its bar is about 1000 pixels wide
 
 std::string name_of(SubmapKey key) { return fmt::format("{}_{}", key.session, key.id); }
 
@@ -54,7 +56,7 @@ Json merges_json(const Scene& scene) {
   return merges;
 }
 
-// The direction that is up for the cameras.
+// Returns the direction in the map that is upwards for the cameras.
 Json up_json(const Scene& scene) {
   std::vector<const SubmapView*> placed;
   for (const SubmapView& view : scene.submaps)
@@ -62,13 +64,13 @@ Json up_json(const Scene& scene) {
   return numbers(viewer_offscreen::principal_plane(placed).axes.col(2));
 }
 
-// A frame of the past that got its pose afterwards, or lost it.
+// True if the message is about an earlier frame, whose pose was found afterwards or withdrawn.
 bool is_told_again(const track_t& track, const track_t& latest) {
   const uint64_t frames_ago = static_cast<uint64_t>(latest.sequence) - static_cast<uint64_t>(track.sequence);
   return track.session == latest.session && frames_ago <= kMostRetoldFrames;
 }
 
-// Calls add(span) for the latest ones.
+// Calls add(span) for the latest kMostSpans spans.
 template <class Spans, class Add>
 void each_of_the_latest(const Spans& spans, Add add) {
   for (size_t i = spans.size() > kMostSpans ? spans.size() - kMostSpans : 0; i < spans.size(); ++i) add(spans[i]);
@@ -130,7 +132,7 @@ std::vector<SubmapView> LiveMap::views() {
     Shown& shown = shown_[key];
     if (std::exchange(shown.taken, copy.taken) != copy.taken) {
       shown.view = viewer_offscreen::view_submap(copy.submap);
-      shown.view.key = key;  // nothing of it may have come yet
+      shown.view.key = key;  // the copy may still be empty, without a key
       shown.view.kind = copy.summary.kind == submap_update_t::BACK ? SubmapKind::kBack : SubmapKind::kFront;
       shown.blob = std::make_shared<const std::string>(submap_blob(shown.view));
       shown.view.landmarks = {};
@@ -159,7 +161,8 @@ void LiveMap::refresh() {
 
 Json LiveMap::pose() const {
   if (!latest_) return Json::object();
-  Json json{{"state", to_string(static_cast<TrackingState>(latest_->state))}, {"submap", latest_->submap_id}};
+  Json json{{"state", to_string(state_from_wire(latest_->state).value_or(TrackingState::kUnknown))},
+            {"submap", latest_->submap_id}};
   std::optional<SE3> map_from_cam = copies_.map_from_cam(*latest_);
   const bool any_in_map = std::any_of(copies_.by_key().begin(), copies_.by_key().end(),
                                       [](const auto& entry) { return entry.second.can_be_shown_in_map(); });

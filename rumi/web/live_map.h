@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The map of a running system and tracking over time, for the page: copies of the submaps as the viewer keeps them, as
-// JSON and as blobs.
+// The map of a running system and the history of tracking, for the page: the viewer's copies of the submaps as JSON and
+// as blobs.
 #pragma once
 
 #include <cstdint>
@@ -23,18 +23,20 @@ class LiveMap {
  public:
   explicit LiveMap(Bus& bus);
 
-  // watched: somebody looks; else nothing is asked of map_server, and nothing is made.
+  // watched: somebody looks at the page. Otherwise map_server is not asked for submaps, and nothing new is made.
   void tick(int64_t now_us, bool watched);
 
-  // What there is to see, as it was at the last change that was looked at (a second ago at most).
-  // "up", "camera", "submaps" (each with a version, which rises when its blob is another one), "merges".
+  // Returns the map as of the last tick with a change, at most once a second: "up", "camera", "submaps" (each with a
+  // version, which rises when its blob changes), "merges".
   const std::string& map() const { return map_; }
-  // "first" and "end" (seconds), "tracked": [from, to, state, submap], "placed": [from, to, submap], "lost": [from,
-  // to]; times in seconds since "first", submaps by their place in map().
+  // Returns the history of tracking: "first" (seconds since the epoch), "end", "tracked": [from, to, state, submap],
+  // "placed": [from, to, submap], "lost": [from, to], ... All other times are in seconds since "first"; a submap is its
+  // index in map().
   const std::string& timeline() const { return timeline_; }
-  // The last frame that was tracked or not: "state", "at", "turn" (map_from_cam; missing where it has no pose).
+  // Returns the last frame: "state" and "submap", and if it has a pose, "at" and "turn" (map_from_cam). Empty before
+  // the first frame.
   nlohmann::ordered_json pose() const;
-  // Of a submap by the name that map() gives it (see submap_blob.h); nothing: there is none.
+  // Returns the blob (see submap_blob.h) of the submap that has this name in map(); null if there is no such submap.
   std::shared_ptr<const std::string> blob(const std::string& name) const;
 
  private:

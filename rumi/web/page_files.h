@@ -10,18 +10,18 @@
 
 namespace rumi::tool {
 
-// Of the `rumi` in the folder `bin`, installed or in a build tree.
+// Returns the folder of the page for a `rumi` in the folder `bin`, installed or in a build tree.
 std::filesystem::path page_folder_of(const std::filesystem::path& bin);
 
-// What the page is made of, read once: no path that a browser asks for ever reaches the file system.
+// The files of the page. All are read at the start, so no path from a browser ever reaches the file system.
 class PageFiles {
  public:
-  // Throws std::runtime_error naming the file that is missing.
+  // Throws std::runtime_error, which names the file, if one is missing.
   explicit PageFiles(const std::filesystem::path& folder);
   std::optional<HttpAnswer> find(const std::string& path) const;
 
  private:
-  std::map<std::string, HttpAnswer> answers_;  // by the path of the request
+  std::map<std::string, HttpAnswer> answers_;  // by path of the request
 };
 
 }  // namespace rumi::tool

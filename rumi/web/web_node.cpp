@@ -42,7 +42,7 @@ void WebNode::tell_if_new(const char* event, const std::string& data, std::strin
 }
 
 void WebNode::tick(int64_t now_us, bool watched) {
-  if (std::exchange(watched_, watched) != watched) told_ = {};  // who begins to look has heard nothing
+  if (std::exchange(watched_, watched) != watched) told_ = {};  // a new listener has heard nothing yet
   image_.set_watched(watched);
   map_.tick(now_us, watched);
   if (!watched) return;
@@ -58,7 +58,7 @@ void WebNode::tick(int64_t now_us, bool watched) {
     told_.image_us = image_us;
     tell_("image", json_text(nlohmann::json(*image_us)));
   }
-  if (is_due(now_us, told_.status_us, kStatusUs)) {  // also the sign that somebody is there
+  if (is_due(now_us, told_.status_us, kStatusUs)) {  // also shows the page that the server is alive
     told_.status_us = now_us;
     tell_("status", json_text(nlohmann::ordered_json{{"bus", bus_name_}, {"live", status_.to_json()}}));
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the page of `rumi web` shows: messages in, answers and events out. It publishes nothing but requests to
-// map_server for submaps, and these only while somebody looks.
+// Makes the answers and events of the page of `rumi web` from messages. It publishes only requests to map_server for
+// submaps, and only while somebody looks.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ class WebNode {
  public:
   using Tell = std::function<void(const std::string& event, const std::string& data)>;
 
-  // bus_name: where it listens, for a person who sees nothing. tell: to everybody who looks.
+  // bus_name: shown on the page, to a person who sees nothing else on it. tell: sends an event to all open pages.
   WebNode(Bus& bus, PageFiles files, std::string bus_name, Tell tell);
 
   HttpAnswer answer(const std::string& path);

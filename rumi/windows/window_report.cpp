@@ -65,8 +65,8 @@ WindowRow make_window_row(const std::string& name, const ruminator::RuminationWi
   row.name = name;
   row.window = window;
   row.result = result;
-  row.result.submap.reset();
   row.ok = result.submap.has_value();
+  if (row.ok) row.result.submap = Submap();
   if (!truth.empty()) row.path_m = path_length(window, truth);
   if (!row.ok) return row;
   const Submap& submap = *result.submap;
@@ -77,7 +77,7 @@ WindowRow make_window_row(const std::string& name, const ruminator::RuminationWi
   return row;
 }
 
-// The times are last: they alone differ from run to run.
+// The times come last, because only they differ from run to run.
 ordered_json to_json(const WindowRow& row) {
   const ruminator::RuminationWindow& w = row.window;
   const ruminator::BuildResult& r = row.result;
@@ -86,7 +86,7 @@ ordered_json to_json(const WindowRow& row) {
       {"session", w.session},
       {"id", w.id},
       {"built", row.ok},
-      {"failure", row.ok ? "" : r.failure},
+      {"failure", row.ok ? "" : r.submap.error_text()},
       {"submap_before", w.submap_before},
       {"submap_after", w.submap_after},
       {"lost_utime", w.lost_utime_us},
@@ -145,7 +145,7 @@ std::string window_table_line(const WindowRow& row, bool with_truth) {
     line += fmt::format(" {:>9} {:>8}", row.ate_m ? fmt::format("{:.4f} m", *row.ate_m) : "-",
                         percent ? fmt::format("{:.2f} %", *percent) : "-");
   }
-  return row.ok ? line : fmt::format("{}\n    failed: {}", line, r.failure);
+  return row.ok ? line : fmt::format("{}\n    failed: {}", line, r.submap.error_text());
 }
 
 }  // namespace rumi::tool

@@ -17,22 +17,23 @@
 namespace rumi::tool {
 namespace {
 
-constexpr int kMarginFrames = 15;  // drawn before and after the samples
-constexpr int kImageWidth = 240;   // pixels, of the images that are kept
+constexpr int kMarginFrames = 15;  // frames that are drawn before and after the samples
+constexpr int kImageWidth = 240;   // width of the kept images, px
 constexpr size_t kMaxFrames = 4000;
 
 struct Messages {
-  std::map<std::pair<int32_t, int64_t>, window_t> windows;   // by id, session
-  std::map<std::pair<int64_t, int64_t>, SceneFrame> frames;  // by session, utime
+  std::map<std::pair<int32_t, int64_t>, window_t> windows;   // by id and session
+  std::map<std::pair<int64_t, int64_t>, SceneFrame> frames;  // by session and utime
   int64_t begin_us = 0;
-  std::string error;
+  std::string error;  // why the log could not be read to its end; empty if it could
 };
 
 void take(const track_t& track, Messages* messages) {
   const auto [it, is_new] = messages->frames.try_emplace({track.session, track.utime});
   SceneFrame& frame = it->second;
   frame.utime_us = track.utime;
-  // Told once more it has got its pose afterwards, or lost it; the state counts that it had without.
+  // A second track_t of the frame adds a pose afterwards, which leaves the state, or withdraws the pose, which changes
+  // it.
   if (is_new || track.submap_id == 0) frame.state = track.state;
   frame.has_pose = track.submap_id != 0;
   frame.is_keyframe = track.is_keyframe;
@@ -78,7 +79,7 @@ void mark(const std::vector<int64_t>& utimes, SampledAs part, std::vector<SceneF
     if (std::find(utimes.begin(), utimes.end(), frame.utime_us) != utimes.end()) frame.sampled_as = part;
 }
 
-// The window's frames with some before and after.
+// Returns the window's frames, and some before and after.
 std::vector<SceneFrame> frames_of(const window_t& window, const Messages& messages) {
   std::vector<SceneFrame> session;
   for (const auto& [key, frame] : messages.frames)
@@ -98,7 +99,7 @@ std::vector<SceneFrame> frames_of(const window_t& window, const Messages& messag
 }
 
 cv::Mat thumbnail(const image_t& image) {
-  const cv::Mat bgr = decode_bgr(image, nullptr);
+  const cv::Mat bgr = decode_bgr(image).value_or(cv::Mat());
   if (bgr.empty()) return {};
   cv::Mat small;
   cv::resize(bgr, small, {kImageWidth, std::max(1, kImageWidth * bgr.rows / bgr.cols)}, 0, 0, cv::INTER_AREA);
@@ -119,32 +120,24 @@ void add_images(const std::string& log_file, std::vector<SceneFrame>* frames) {
 
 }  // namespace
 
-WindowSceneResult read_window_scene(const std::string& log_file, int window_id) {
-  WindowSceneResult result;
-  Messages messages = read_messages(log_file);
-  // A log that is damaged at its end is good for what is before.
-  if (messages.windows.empty()) {
-    result.error = !messages.error.empty()
-                       ? messages.error
-                       : fmt::format("{}: no window is announced in it (channel {})", log_file, channels::kWindow);
-    return result;
-  }
+Result<WindowScene> read_window_scene(const std::string& log_file, int window_id) {
+  const Messages messages = read_messages(log_file);
+  // A log that is damaged is used up to the damage.
+  if (messages.windows.empty() && !messages.error.empty()) return Error{messages.error};
+  if (messages.windows.empty())
+    return Error{fmt::format("no window is announced in it (channel {})", channels::kWindow), log_file};
   const std::optional<window_t> window = choose(messages, window_id);
   if (!window) {
     std::string known;
     for (const auto& [key, other] : messages.windows) known += fmt::format(" {}", other.window_id);
-    result.error = fmt::format("{}: no window {}; there are{}", log_file, window_id, known);
-    return result;
+    return Error{fmt::format("no window {}", window_id), log_file, "there are" + known};
   }
-  result.scene = {*window, messages.begin_us, frames_of(*window, messages)};
-  std::vector<SceneFrame>& frames = result.scene.frames;
-  if (frames.empty() || frames.size() > kMaxFrames) {
-    result.error = fmt::format("{}: window {} spans {} frames; 1 to {} can be drawn", log_file, window->window_id,
-                               frames.size(), kMaxFrames);
-    return result;
-  }
-  add_images(log_file, &frames);
-  return result;
+  WindowScene scene{*window, messages.begin_us, frames_of(*window, messages)};
+  if (scene.frames.empty() || scene.frames.size() > kMaxFrames)
+    return Error{fmt::format("window {} spans {} frames", window->window_id, scene.frames.size()), log_file,
+                 fmt::format("1 to {} can be drawn", kMaxFrames)};
+  add_images(log_file, &scene.frames);
+  return scene;
 }
 
 }  // namespace rumi::tool

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A rumination window as an lcm log tells of it: which frames there were around a loss, what became of each, and which
+// A rumination window as an lcm log records it: the frames around a loss, whether each has a pose, and which of them
 // were sampled.
 #pragma once
 
@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "lcmtypes/rumi/window_t.hpp"
 
 namespace rumi::tool {
@@ -16,27 +17,22 @@ enum class SampledAs { kNot, kApproach, kGap, kDeparture };
 
 struct SceneFrame {
   int64_t utime_us = 0;
-  int8_t state = 0;       // as in track_t, when the frame came
-  bool has_pose = false;  // then or afterwards
+  int8_t state = 0;       // as in the track_t of the frame
+  bool has_pose = false;  // from the beginning, or added afterwards
   bool is_keyframe = false;
   SampledAs sampled_as = SampledAs::kNot;
-  cv::Mat image;  // BGR, reduced; empty if the log does not have it
+  cv::Mat image;  // BGR, reduced; empty if the log has no image of the frame
 };
 
 struct WindowScene {
-  window_t window;                 // as last announced
-  int64_t begin_us = 0;            // of the log's first image: times are counted from it
-  std::vector<SceneFrame> frames;  // of the window and some before and after, in order of time
+  window_t window;                 // as it was announced last
+  int64_t begin_us = 0;            // time of the log's first image; times in the picture count from it
+  std::vector<SceneFrame> frames;  // the window's frames, and some before and after, in order of time
 };
 
-struct WindowSceneResult {
-  WindowScene scene;
-  std::string error;
-  bool ok() const { return error.empty(); }
-};
-
-// Reads RUMI_WINDOW, RUMI_TRACK and CAMERA of a log. window_id 0: the first window with a gap between two submaps, or
-// else the first. Where several sessions have a window of that number, the last of them counts.
-WindowSceneResult read_window_scene(const std::string& log_file, int window_id);
+// Reads a window from RUMI_WINDOW, RUMI_TRACK and CAMERA of a log. window_id 0: the first window with a gap between two
+// submaps, or else the first. If several sessions have a window of that number, the last one is taken. An Error if the
+// log has no such window, or if it is too long to be drawn.
+Result<WindowScene> read_window_scene(const std::string& log_file, int window_id);
 
 }  // namespace rumi::tool

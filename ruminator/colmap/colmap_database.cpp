@@ -19,10 +19,10 @@ static_assert(std::endian::native == std::endian::little, "blobs are written as 
 constexpr float kPixelShift = 0.5F;  // COLMAP's pixel coordinates minus ours
 constexpr int64_t kCameraId = 1;
 constexpr int64_t kPinhole = 1;             // camera model: fx fy cx cy
-constexpr int64_t kCalibrated = 2;          // configuration of a pair: an essential matrix holds
-constexpr int64_t kMaxImages = 2147483647;  // COLMAP's bound, of which its pair ids are made
+constexpr int64_t kCalibrated = 2;          // configuration of an image pair: calibrated, with an essential matrix
+constexpr int64_t kMaxImages = 2147483647;  // COLMAP's largest number of images, from which it computes pair ids
 
-// What `colmap database_creator` of 3.8 makes.
+// The schema that COLMAP 3.8's `colmap database_creator` creates.
 constexpr const char* kSchema = R"(
 CREATE TABLE cameras (
   camera_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL,
@@ -54,22 +54,24 @@ std::span<const uint8_t> bytes_of(const Numbers& numbers) {
   return {reinterpret_cast<const uint8_t*>(numbers.data()), numbers.size() * sizeof(numbers[0])};
 }
 
-// What is wrong with the input: COLMAP would crash on some of it and silently leave out the rest.
-std::string check(const Camera& camera, const std::vector<WindowImage>& images, const std::vector<ImagePair>& pairs) {
-  if (std::string problem = camera.check(); !problem.empty()) return problem;
-  if (images.size() >= static_cast<size_t>(kMaxImages)) return fmt::format("{} images are too many", images.size());
+// Checks the input, because some faults would crash COLMAP and others would make it leave out images silently.
+Result<> check(const Camera& camera, const std::vector<WindowImage>& images, const std::vector<ImagePair>& pairs) {
+  if (std::string problem = camera.check(); !problem.empty()) return Error{problem};
+  if (images.size() >= static_cast<size_t>(kMaxImages))
+    return Error{fmt::format("{} images are too many", images.size())};
   for (const WindowImage& image : images)
     for (const Eigen::Vector2f& p : image.keypoints)
-      if (!p.allFinite()) return fmt::format("image {}: a keypoint is not finite", image.name);
+      if (!p.allFinite()) return Error{fmt::format("image {}: a keypoint is not finite", image.name)};
   for (const ImagePair& pair : pairs) {
     const auto known = [&](int image) { return image >= 0 && static_cast<size_t>(image) < images.size(); };
     if (!known(pair.first) || !known(pair.second) || pair.first == pair.second)
-      return fmt::format("there is no pair of images {} and {}", pair.first, pair.second);
+      return Error{fmt::format("there is no pair of images {} and {}", pair.first, pair.second)};
     const size_t first_count = images[static_cast<size_t>(pair.first)].keypoints.size();
     const size_t second_count = images[static_cast<size_t>(pair.second)].keypoints.size();
     for (const auto& [a, b] : pair.matches)
       if (a < 0 || b < 0 || static_cast<size_t>(a) >= first_count || static_cast<size_t>(b) >= second_count)
-        return fmt::format("images {} and {}: there is no match of keypoints {} and {}", pair.first, pair.second, a, b);
+        return Error{
+            fmt::format("images {} and {}: there is no match of keypoints {} and {}", pair.first, pair.second, a, b)};
   }
   return {};
 }
@@ -95,8 +97,8 @@ void write_images(Database& database, const std::vector<WindowImage>& images) {
   }
 }
 
-// The image of the lower id comes first, in the pair's id and in the columns of its matches. The relative geometry
-// stays NULL: the mapper does not read it.
+// Writes the image with the lower id first, both in the pair's id and in the columns of its matches. Leaves the
+// relative geometry NULL, because the mapper does not read it.
 void write_pairs(Database& database, const std::vector<ImagePair>& pairs) {
   Statement insert(database,
                    "INSERT INTO two_view_geometries (pair_id, rows, cols, data, config) VALUES (?, ?, 2, ?, ?)");
@@ -116,7 +118,7 @@ void write_pairs(Database& database, const std::vector<ImagePair>& pairs) {
 void write(const std::string& file, const Camera& camera, const std::vector<WindowImage>& images,
            const std::vector<ImagePair>& pairs) {
   Database database(file);
-  // Scratch: after a crash it is written anew.
+  // The file needs no journal, because it is written anew after a crash.
   database.execute("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF");
   Transaction transaction(database);
   database.execute(kSchema);
@@ -128,19 +130,19 @@ void write(const std::string& file, const Camera& camera, const std::vector<Wind
 
 }  // namespace
 
-std::string write_colmap_database(const std::string& file, const Camera& camera, const std::vector<WindowImage>& images,
-                                  const std::vector<ImagePair>& pairs) {
-  if (std::string problem = check(camera, images, pairs); !problem.empty()) return fmt::format("{}: {}", file, problem);
+Result<> write_colmap_database(const std::string& file, const Camera& camera, const std::vector<WindowImage>& images,
+                               const std::vector<ImagePair>& pairs) {
+  if (const Result<> input = check(camera, images, pairs); !input) return Error{input.error_text(), file};
   std::error_code error;
   for (const char* suffix : {"", "-journal", "-wal", "-shm"}) {
     std::filesystem::remove(file + suffix, error);
-    if (error) return fmt::format("{}{}: {}", file, suffix, error.message());
+    if (error) return Error{error.message(), file + suffix};
   }
   try {
     write(file, camera, images, pairs);
   } catch (const SqliteError& e) {
     std::filesystem::remove(file, error);
-    return fmt::format("{}: {}", file, e.what());
+    return Error{e.what(), file};
   }
   return {};
 }

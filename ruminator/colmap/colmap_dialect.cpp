@@ -14,15 +14,15 @@ namespace rumi::ruminator {
 namespace {
 
 enum class Need {
-  kAlways,   // without it COLMAP is not used
-  kUseful,   // without it COLMAP goes its own way
-  kIfThere,  // without it COLMAP does by itself what is wanted
+  kAlways,   // a COLMAP without this option is not used
+  kUseful,   // without it COLMAP is slower or finds other models
+  kIfThere,  // may be missing: then the wanted behaviour is COLMAP's default
 };
 
 struct Option {
-  std::vector<std::string> names;  // from the oldest on; a program knows one of them, or none
+  std::vector<std::string> names;  // oldest first; a version knows at most one of them
   Need need;
-  std::optional<std::string> value;  // none: this command has nothing to say of it
+  std::optional<std::string> value;  // nullopt: not set by this command
 };
 
 std::vector<Option> table(const MapperCommand& command, const MapperSettings& s) {
@@ -33,15 +33,15 @@ std::vector<Option> table(const MapperCommand& command, const MapperSettings& s)
   const auto of_extension = [&](const std::string& value) { return extends ? std::optional(value) : std::nullopt; };
   return {
       {{"database_path"}, kAlways, command.database},
-      {{"image_path"}, kAlways, command.output_folder},  // has to exist; images are only read for colours
+      {{"image_path"}, kAlways, command.output_folder},  // must exist; the mapper reads images only for colours
       {{"output_path"}, kAlways, command.output_folder},
-      // By themselves they would write files into /tmp, the newer ones with codes of a terminal in them.
+      // Otherwise COLMAP would write logs into /tmp, and newer versions would colour them with terminal codes.
       {{"log_to_stderr"}, kIfThere, flag(true)},
       {{"log_target"}, kIfThere, "stderr"},
       {{"log_color"}, kIfThere, flag(false)},
       {{"random_seed", "default_random_seed"}, kUseful, text(s.random_seed)},
-      {{"Mapper.random_seed"}, kIfThere, text(s.random_seed)},  // to older ones that above is enough
-      // Of 4.x: it places images that see no point. 4.2.1 crashes in it.
+      {{"Mapper.random_seed"}, kIfThere, text(s.random_seed)},  // older versions use the option above
+      // Option of 4.x that places images without any known point; version 4.2.1 crashes in it.
       {{"Mapper.structure_less_registration_fallback"}, kIfThere, flag(false)},
       {{"Mapper.num_threads"}, kUseful, text(s.threads)},
       {{"Mapper.extract_colors"}, kUseful, flag(false)},
@@ -53,9 +53,9 @@ std::vector<Option> table(const MapperCommand& command, const MapperSettings& s)
       {{"Mapper.init_min_num_inliers"}, kUseful, text(s.init_min_num_inliers)},
       {{"Mapper.abs_pose_min_num_inliers"}, kUseful, text(s.abs_pose_min_num_inliers)},
       {{"Mapper.filter_max_reproj_error"}, kUseful, text(s.filter_max_reproj_error_px)},
-      {{"Mapper.ba_refine_focal_length"}, kAlways, flag(false)},  // else its poses are those of another camera
+      {{"Mapper.ba_refine_focal_length"}, kAlways, flag(false)},  // otherwise the poses would belong to another camera
       {{"Mapper.ba_refine_principal_point"}, kUseful, flag(false)},
-      {{"Mapper.ba_refine_extra_params"}, kUseful, flag(false)},  // the camera has none
+      {{"Mapper.ba_refine_extra_params"}, kUseful, flag(false)},  // the PINHOLE model has no such parameters
       {{"Mapper.ba_local_num_images"}, kUseful, text(s.local_num_images)},
       {{"Mapper.ba_local_max_num_iterations"}, kUseful, text(s.local_max_num_iterations)},
       {{"Mapper.ba_local_max_refinements"}, kUseful, text(s.local_max_refinements)},
@@ -72,7 +72,7 @@ std::vector<Option> table(const MapperCommand& command, const MapperSettings& s)
   };
 }
 
-// The name that this COLMAP has for it, or null.
+// Returns the option's name in this version of COLMAP, or null if the version does not have it.
 const std::string* known_name(const Option& option, const OptionNames& known) {
   const auto name =
       std::find_if(option.names.begin(), option.names.end(), [&](const std::string& n) { return known.contains(n); });
@@ -104,7 +104,8 @@ std::vector<std::string> mapper_arguments(const MapperCommand& command, const Ma
 std::vector<std::string> missing_options(const OptionNames& known) { return unknown(Need::kAlways, known); }
 std::vector<std::string> options_left_out(const OptionNames& known) { return unknown(Need::kUseful, known); }
 
-// 3.8 says "Registering image #7 (12)" before it tries the twelfth, 4.x "Registering image #7 (num_reg_frames=11)".
+// Returns the number of images that are registered already. COLMAP 3.8 prints "Registering image #7 (12)" before it
+// tries the twelfth image, 4.x prints "Registering image #7 (num_reg_frames=11)".
 std::optional<int> registered_images(std::string_view line) {
   const size_t at = line.find("Registering image #");
   const size_t bracket = line.find('(', std::min(at, line.size()));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is said to COLMAP's mapper, and what it says, in the words of the COLMAP that is installed: from 3.8 to 4.x
-// names of options change, come and go. A version is told by the options that its help names, not by its number.
+// Adapts to the installed COLMAP: from 3.8 to 4.x, options of its mapper were added, renamed and removed. Which options
+// exist is read from its help text; the version number is not used.
 #pragma once
 
 #include <optional>
@@ -13,21 +13,22 @@
 
 namespace rumi::ruminator {
 
-using OptionNames = std::set<std::string>;  // without dashes
+using OptionNames = std::set<std::string>;  // names of options, without the leading dashes
 
-// What the mapper is started with, from its name on. An option of which it knows no name is left out: it would refuse
-// to start.
+// Returns the arguments of the mapper, beginning with its name. Leaves out options that this COLMAP does not know,
+// because it would refuse to start with them.
 std::vector<std::string> mapper_arguments(const MapperCommand& command, const MapperSettings& settings,
                                           const OptionNames& known);
 
-// Which options are missing without which its models would be of no use: "--this", "--that or --its later name".
+// Returns the required options that are missing, as "--name" or "--name or --later name". Without them COLMAP cannot be
+// used.
 std::vector<std::string> missing_options(const OptionNames& known);
-// And which others, without which it goes its own way: slower, or to other models.
+// Returns the other missing options; without them the mapper is slower or finds other models.
 std::vector<std::string> options_left_out(const OptionNames& known);
 
-// How many images the growing model has, if the line tells it.
+// Returns how many images the growing model has if this line of the output tells it; otherwise nullopt.
 std::optional<int> registered_images(std::string_view line);
-// The mapper found no model in the images: the images' fault, not the program's.
+// True if the mapper says that it found no model. Then the fault is in the images, not in the program.
 bool tells_of_no_model(std::string_view output);
 
 }  // namespace rumi::ruminator

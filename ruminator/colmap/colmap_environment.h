@@ -9,10 +9,10 @@
 
 namespace rumi::ruminator {
 
-// Qt is a part of COLMAP even where it shows nothing, and looks for a display. Its log would leave files in /tmp.
+// COLMAP contains Qt, which looks for a display even if it shows nothing. Its log must not leave files in /tmp.
 inline std::vector<std::string> colmap_environment() { return {"QT_QPA_PLATFORM=offscreen", "GLOG_logtostderr=1"}; }
 
-// What programs say, they say in upper and in lower case.
+// True if `text` contains `what`. Ignores case, because programs write their messages in upper and in lower case.
 inline bool contains_any_case(std::string_view text, std::string_view what) {
   const auto same = [](char a, char b) {
     return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));

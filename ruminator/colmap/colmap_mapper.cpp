@@ -24,11 +24,11 @@ namespace fs = std::filesystem;
 using Kind = MapperOutcome::Kind;
 using Outcome = ChildResult::Outcome;
 
-constexpr uintmax_t kFullDiskBytes = 1 << 20;  // less is left: what failed, failed because of that
-constexpr double kIdleLimitS = 300;            // of a mapper that neither works nor says anything: it hangs
+constexpr uintmax_t kFullDiskBytes = 1 << 20;  // with less free space, the full disk is taken for the cause
+constexpr double kIdleLimitS = 300;            // a mapper that uses no CPU and prints nothing for this long hangs
 constexpr size_t kLongestLine = 4096;
 
-// Counts the images in what the mapper says, line by line.
+// Reports the number of registered images, which it reads from the mapper's output line by line.
 class ProgressReader {
  public:
   explicit ProgressReader(const std::function<void(int)>& progress) : progress_(progress) {}
@@ -53,31 +53,29 @@ bool tells_of_full_disk(std::string_view text) {
          contains_any_case(text, "disk quota exceeded");
 }
 
-// COLMAP does not look whether what it writes arrives: on a full disk it ends well and leaves files cut short.
+// COLMAP does not check its writes: on a full disk it ends without an error and leaves truncated files.
 bool is_full(const std::string& folder) { return free_space(folder).value_or(kFullDiskBytes) < kFullDiskBytes; }
 
 bool is_from_outside(int signal) {
   return signal == SIGKILL || signal == SIGTERM || signal == SIGINT || signal == SIGHUP || signal == SIGQUIT;
 }
 
-// What went wrong, or an empty string.
-std::string make_folder(const std::string& folder) {
+Result<> make_folder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) return fmt::format("{}: {}", folder, error.message());
+  if (error) return Error{error.message(), folder};
   const bool empty = fs::is_empty(folder, error);
-  if (error) return fmt::format("{}: {}", folder, error.message());
-  return empty ? std::string() : fmt::format("{}: is not empty; a run of the mapper needs a folder of its own", folder);
+  if (error) return Error{error.message(), folder};
+  if (!empty) return Error{"is not empty", folder, "a run of the mapper needs a folder of its own"};
+  return {};
 }
 
 void fail(MapperOutcome* outcome, Kind kind, const std::string& why) {
   outcome->kind = kind;
-  outcome->failure = why;
-  outcome->models.clear();
-  outcome->folders.clear();
+  outcome->models = Error{why};
 }
 
-// A child that did not end well.
+// Sets the kind and the reason of the failure of a COLMAP process.
 void judge_failure(const ChildResult& child, const MapperCommand& command, MapperOutcome* outcome) {
   const std::string said = complaint(child.last_output);
   const std::string described = fmt::format("COLMAP's mapper: {}", child.describe());
@@ -100,25 +98,26 @@ void judge_failure(const ChildResult& child, const MapperCommand& command, Mappe
 std::vector<std::string> folders_of_models(const MapperCommand& command) {
   std::vector<std::string> folders = colmap_model_folders(command.output_folder);
   std::error_code ignored;
-  // A model that is extended is not numbered.
+  // An extended model is written to the output folder itself, not to a numbered one.
   if (folders.empty() && fs::exists(command.output_folder + "/images.bin", ignored))
     folders.push_back(command.output_folder);
   return folders;
 }
 
 void read_models(const MapperCommand& command, MapperOutcome* outcome) {
+  std::vector<SparseModel> models;
   for (const std::string& folder : folders_of_models(command)) {
-    SparseModelFile file = read_colmap_model(folder, command.keypoint_counts);
-    if (!file.ok()) {
-      if (is_full(command.output_folder))
-        return fail(outcome, Kind::kDiskFull, fmt::format("{}; the disk is full", file.error));
-      return fail(outcome, Kind::kCorrupt, fmt::format("COLMAP left a model that cannot be read: {}", file.error));
+    Result<SparseModel> model = read_colmap_model(folder, command.keypoint_counts);
+    if (!model) {
+      const std::string problem = model.error_text();
+      if (is_full(command.output_folder)) return fail(outcome, Kind::kDiskFull, problem + "; the disk is full");
+      return fail(outcome, Kind::kCorrupt, fmt::format("COLMAP left a model that cannot be read: {}", problem));
     }
-    outcome->models.push_back(std::move(file.model));
-    outcome->folders.push_back(folder);
+    models.push_back(std::move(*model));
   }
-  if (outcome->models.empty()) return fail(outcome, Kind::kNoModel, "COLMAP ended well, but left no model");
+  if (models.empty()) return fail(outcome, Kind::kNoModel, "COLMAP ended well, but left no model");
   outcome->kind = Kind::kModels;
+  outcome->models = std::move(models);
 }
 
 void add_cost(const ChildResult& child, MapperOutcome* outcome) {
@@ -128,7 +127,7 @@ void add_cost(const ChildResult& child, MapperOutcome* outcome) {
 
 }  // namespace
 
-// What fails because of the machine fails with every window, and may take long to.
+// Gives up COLMAP if the machine is the cause of the failure: every other window would fail too, after a long wait.
 void ColmapMapper::give_up_if_in_vain(const ChildResult& result, const MapperOutcome& outcome) {
   if (outcome.kind == Kind::kFailed && tells_of_gpu(result.last_output))
     program_->give_up(fmt::format("{} needs a GPU that it cannot use here ({}); a build of it without CUDA works",
@@ -140,7 +139,8 @@ void ColmapMapper::give_up_if_in_vain(const ChildResult& result, const MapperOut
 MapperOutcome ColmapMapper::run(const MapperCommand& command, const MapperSettings& settings,
                                 const std::atomic<bool>& cancel) {
   MapperOutcome outcome;
-  if (const std::string problem = make_folder(command.output_folder); !problem.empty()) {
+  if (const Result<> made = make_folder(command.output_folder); !made) {
+    const std::string problem = made.error_text();
     fail(&outcome, tells_of_full_disk(problem) ? Kind::kDiskFull : Kind::kNotStarted, problem);
     return outcome;
   }

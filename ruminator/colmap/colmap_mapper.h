@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One run of `colmap mapper`: from a database to the models that it leaves, or the reason why there are none.
+// Runs `colmap mapper` once on a database. The outcome has the models, or the reason why there are none.
 #pragma once
 
 #include <atomic>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/child/run_child.h"
-#include "base/this_process/process_name.h"
+#include "base/result.h"
 #include "ruminator/colmap/colmap_program.h"
 #include "ruminator/colmap/mapper_command.h"
 #include "ruminator/colmap/read_model.h"
@@ -17,22 +17,21 @@ namespace rumi::ruminator {
 
 struct MapperOutcome {
   enum class Kind {
-    kModels,   // there is at least one
-    kNoModel,  // COLMAP found none
-    kCorrupt,  // it left something that cannot be read
-    kFailed,   // it ended with another error or crashed
+    kModels,   // at least one model
+    kNoModel,  // COLMAP found no model
+    kCorrupt,  // COLMAP left a model that cannot be read
+    kFailed,   // COLMAP ended with another error or crashed
     kTimedOut,
     kCancelled,
-    kNotStarted,  // no COLMAP, no folder to write to, ...
-    kKilled,      // from outside: SIGKILL (out of memory, too), SIGTERM, SIGINT, SIGHUP
+    kNotStarted,  // COLMAP is missing, its folder cannot be made, ...
+    kKilled,  // by a signal from outside: SIGKILL (also sent when memory runs out), SIGTERM, SIGINT, SIGHUP, SIGQUIT
     kDiskFull,
   };
   Kind kind = Kind::kNotStarted;
-  std::vector<SparseModel> models;   // as COLMAP numbers them; the first is not always the best
-  std::vector<std::string> folders;  // of each model
-  std::string failure;               // a sentence for a person; empty with models
+  // The models, at least one, in COLMAP's order; the first is not always the best. The Error is a sentence for users.
+  Result<std::vector<SparseModel>> models = Error{"COLMAP was not run"};
   double wall_s = 0, cpu_s = 0;
-  // The machine failed, not the images: the same command may succeed later.
+  // True if the circumstances are to blame and not the images: the same command may succeed later.
   bool retryable() const {
     return kind == Kind::kCancelled || kind == Kind::kNotStarted || kind == Kind::kKilled || kind == Kind::kDiskFull;
   }
@@ -41,7 +40,7 @@ struct MapperOutcome {
 class ColmapMapper {
  public:
   explicit ColmapMapper(std::shared_ptr<ColmapProgram> program) : program_(std::move(program)) {}
-  // One that no other mapper knows.
+  // Uses a ColmapProgram of its own, which it shares with no other mapper.
   explicit ColmapMapper(const std::string& program) : program_(std::make_shared<ColmapProgram>(program)) {}
 
   MapperOutcome run(const MapperCommand& command, const MapperSettings& settings, const std::atomic<bool>& cancel);

@@ -21,13 +21,13 @@ namespace {
 
 using Outcome = ChildResult::Outcome;
 
-constexpr double kHelpTimeLimitS = 60;      // on a machine that is busy, or reads it from a slow disk
-constexpr size_t kLongestHelp = 8'000'000;  // bytes that are looked at
+constexpr double kHelpTimeLimitS = 60;      // enough for a busy machine, or one that loads COLMAP from a slow disk
+constexpr size_t kLongestHelp = 8'000'000;  // bytes of help that are read, at most
 constexpr size_t kComplaintLength = 300;
 constexpr const char* kWithout =
     "windows are rebuilt without it, by Rumi's own models alone: some get fewer poses, or none";
 
-// "  --Mapper.num_threads arg (=-1)": the name.
+// Returns the option names in lines such as "  --Mapper.num_threads arg (=-1)".
 OptionNames options_in_help(std::string_view help) {
   OptionNames names;
   for (size_t at = help.find("--"); at != std::string_view::npos; at = help.find("--", at + 2)) {
@@ -41,7 +41,7 @@ OptionNames options_in_help(std::string_view help) {
   return names;
 }
 
-// "COLMAP 3.8 -- Structure-from-Motion ...": 3.8.
+// Returns "3.8" for "COLMAP 3.8 -- Structure-from-Motion ...", and an empty string if there is no version.
 std::string version_in_help(std::string_view help) {
   constexpr std::string_view kName = "COLMAP ";
   const size_t at = help.find(kName);
@@ -89,8 +89,8 @@ ChildResult ColmapProgram::question(int nice, const std::atomic<bool>& cancel) {
   ChildCommand command;
   command.arguments = {name_, "mapper", "-h"};
   command.environment = colmap_environment();
-  // COLMAP 4.x leaves a log in TMPDIR each time it is asked for help, whatever it is told of logs. It gets a TMPDIR
-  // that is removed with it; where none can be made the log is left, too.
+  // COLMAP 4.x leaves a log in TMPDIR whenever it is asked for help, whatever the options are. So it gets a TMPDIR that
+  // is removed afterwards. If none can be made, the log remains.
   std::optional<TemporaryFolder> tmpdir;
   if (thrown_by([&] { tmpdir.emplace(std::filesystem::temp_directory_path(), "rumi-colmap-"); }).empty())
     command.environment.push_back("TMPDIR=" + tmpdir->path());
@@ -108,7 +108,7 @@ ChildResult ColmapProgram::question(int nice, const std::atomic<bool>& cancel) {
   return help;
 }
 
-// It ended well, but nothing can be begun with what it knows.
+// Turns the result of a program that ended well but lacks options that we need into a failure.
 void ColmapProgram::refuse_useless(const std::string& text, ChildResult* help) const {
   const OptionNames known = options_in_help(text);
   const std::vector<std::string> missing = missing_options(known);
@@ -134,10 +134,10 @@ void ColmapProgram::judge(const ChildResult& help, const std::string& text) {
               fmt::join(left_out, ", nor "));
 }
 
-// At once, as whoever asked may be at work for long before anybody looks at problem().
+// Logs the problem now, because problem() may be read much later.
 void ColmapProgram::tell(const std::string& why) {
   const std::scoped_lock lock(mutex_);
-  // Once: what it says of itself may differ each time by a process number or the time of day.
+  // Logs only the first text: later ones may differ by a process number or the time only.
   const bool is_news = problem_.empty();
   problem_ = fmt::format("COLMAP: {}; {}", why, kWithout);
   if (is_news) log_warning("{}", problem_);

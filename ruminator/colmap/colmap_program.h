@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// COLMAP as it is installed here: which options its mapper knows, or why it cannot be used. One for all windows, so
-// that what does not work is found out once, at the start.
+// The installed COLMAP: which options its mapper knows, or why it cannot be used. All windows share one object, so that
+// a problem is found only once, at the start.
 #pragma once
 
 #include <atomic>
@@ -17,27 +17,28 @@ namespace rumi::ruminator {
 
 class ColmapProgram {
  public:
-  // Who answers nothing, and does nothing, for so long, waits for somebody to close its window.
+  // A program that prints nothing and uses no CPU for this long probably waits for a user to close its window.
   static constexpr double kIdleLimitS = 8;
   explicit ColmapProgram(std::string name, double idle_limit_s = kIdleLimitS)
       : name_(std::move(name)), idle_limit_s_(idle_limit_s) {}
-  ~ColmapProgram();  // calls off begin_asking()
+  ~ColmapProgram();  // cancels the question of begin_asking()
   ColmapProgram(const ColmapProgram&) = delete;
   ColmapProgram& operator=(const ColmapProgram&) = delete;
 
   const std::string& name() const { return name_; }
-  // Asks in a thread of its own, so that its problem() is known before the first window.
+  // Asks in a thread of its own, so that problem() is known before the first window.
   void begin_asking();
-  // Asks, unless the answer is known; waits for a question under way. What did not start, or ended with an error, is
-  // asked again each time: it costs little, and somebody may have installed it meanwhile.
+  // Asks the mapper for its help, unless the options are known. If a question is running, waits for it. If the program
+  // did not start or ended with an error, it is asked again each time: that costs little, and COLMAP may have been
+  // installed meanwhile. Returns the result of the question, or a success if the options were known.
   ChildResult ask(int nice, const std::atomic<bool>& cancel);
-  // Is not to be tried again by this process: it hangs, or lacks what the machine has not got.
+  // Makes this process stop using COLMAP, because it hangs or needs hardware that the machine does not have.
   void give_up(const std::string& why);
   bool is_given_up() const;
 
-  OptionNames options() const;  // of `mapper`, without dashes; empty: not known
-  std::string version() const;  // "3.8"; empty: not known
-  // What is wrong with it, and what follows, as the log has told; empty while nothing is known to be.
+  OptionNames options() const;  // options of `mapper`, without the leading dashes; empty: unknown
+  std::string version() const;  // such as "3.8"; empty: unknown
+  // Returns the fault of the program and its consequence, as logged; empty if no fault is known.
   std::string problem() const;
 
  private:
@@ -48,7 +49,7 @@ class ColmapProgram {
 
   const std::string name_;
   const double idle_limit_s_;
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards the four members below
   OptionNames options_;
   std::string version_, problem_;
   bool given_up_ = false;
@@ -57,9 +58,9 @@ class ColmapProgram {
   std::thread thread_;
 };
 
-// The last line of an output that tells of an error, or the last line; printable.
+// Returns the last line of the output that mentions an error, or else its last line, without control characters.
 std::string complaint(std::string_view output);
-// The output tells of CUDA, or of a GPU that is not there.
+// True if that line mentions CUDA or a missing GPU.
 bool tells_of_gpu(std::string_view output);
 
 }  // namespace rumi::ruminator

@@ -12,7 +12,6 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
-#include <stdexcept>
 #include <system_error>
 
 namespace rumi::ruminator {
@@ -22,22 +21,23 @@ namespace fs = std::filesystem;
 
 static_assert(std::endian::native == std::endian::little, "COLMAP's files are read as the numbers lie in them");
 
-constexpr double kUnitLengthTolerance = 1e-6;  // of a rotation's quaternion
+constexpr double kUnitLengthTolerance = 1e-6;  // largest deviation of a rotation quaternion's length from 1
 constexpr size_t kLongestName = 4096;
-constexpr uintmax_t kLargestFile = 1 << 30;  // a window's have a few megabytes
-// Fewest bytes that an element takes in its file: a count that needs more than there are is refused at once.
+constexpr uintmax_t kLargestFile = 1 << 30;  // bytes; the files of a window have a few megabytes
+// The least size of an element in its file. A count that would need more bytes than are left is refused at once.
 constexpr size_t kCameraBytes = 24;
 constexpr size_t kImageBytes = 4 + 7 * 8 + 4 + 1 + 8;
 constexpr size_t kKeypointBytes = 24;
 constexpr size_t kPointBytes = 8 + 3 * 8 + 3 + 8 + 8;
 constexpr size_t kTrackElementBytes = 8;
 
-// Number of parameters by COLMAP's id of the camera model, from SIMPLE_PINHOLE to THIN_PRISM_FISHEYE.
+// The number of parameters of each camera model, by COLMAP's model id, from SIMPLE_PINHOLE to THIN_PRISM_FISHEYE.
 constexpr std::array<int, 11> kParameterCounts = {3, 4, 4, 5, 8, 8, 12, 5, 4, 5, 12};
 constexpr std::array<int, 5> kModelsWithOneFocalLength = {0, 2, 3, 8, 9};
 
-struct Corrupt : std::runtime_error {
-  using std::runtime_error::runtime_error;
+// Thrown by the nested readers; read_colmap_model() turns it into an Error.
+struct Corrupt {
+  Error error;
 };
 
 class Reader {
@@ -45,12 +45,11 @@ class Reader {
   explicit Reader(const std::string& file) : name_(file) {
     std::error_code error;
     const uintmax_t size = fs::file_size(file, error);
-    if (error) throw Corrupt(fmt::format("{}: {}", file, error.message()));
-    if (size > kLargestFile) throw Corrupt(fmt::format("{}: {} bytes are too many", file, size));
+    if (error) throw Corrupt{{error.message(), file}};
+    if (size > kLargestFile) throw Corrupt{{fmt::format("{} bytes are too many", size), file}};
     bytes_.resize(size);
     std::ifstream in(file, std::ios::binary);
-    if (!in.read(bytes_.data(), static_cast<std::streamsize>(size)))
-      throw Corrupt(fmt::format("{}: {}", file, std::strerror(errno)));
+    if (!in.read(bytes_.data(), static_cast<std::streamsize>(size))) throw Corrupt{{std::strerror(errno), file}};
   }
   template <class T>
   T take() {
@@ -83,7 +82,7 @@ class Reader {
     if (left() > 0) fail(fmt::format("{} bytes too many", left()));
   }
   [[noreturn]] void fail(const std::string& what) const {
-    throw Corrupt(fmt::format("{}: {} (byte {})", name_, what, position_));
+    throw Corrupt{{fmt::format("{} (byte {})", what, position_), name_}};
   }
 
  private:
@@ -96,7 +95,7 @@ class Reader {
 void read_cameras(Reader in, SparseModel* model) {
   const size_t cameras = in.count(kCameraBytes);
   if (cameras != 1) in.fail(fmt::format("{} cameras instead of the one it was given", cameras));
-  in.take<uint32_t>();  // its id
+  in.take<uint32_t>();  // the camera's id
   const auto kind = in.take<int32_t>();
   if (kind < 0 || static_cast<size_t>(kind) >= kParameterCounts.size()) in.fail(fmt::format("camera model {}", kind));
   in.take<uint64_t>();  // width
@@ -112,7 +111,7 @@ void read_cameras(Reader in, SparseModel* model) {
   in.expect_end();
 }
 
-// The index of an image of which the file tells COLMAP's id.
+// Reads COLMAP's id of an image and returns the index of that image.
 int take_image(Reader& in, const std::vector<int>& keypoint_counts) {
   const auto id = in.take<uint32_t>();
   if (id == 0 || id > keypoint_counts.size()) in.fail(fmt::format("image {} of {}", id, keypoint_counts.size()));
@@ -133,7 +132,7 @@ void read_images(Reader in, const std::vector<int>& keypoint_counts, SparseModel
     const int image = take_image(in, keypoint_counts);
     const SE3 pose = take_pose(in);
     if (!model->cam_from_world.emplace(image, pose).second) in.fail(fmt::format("image {} is there twice", image + 1));
-    in.take<uint32_t>();  // its camera, the only one
+    in.take<uint32_t>();  // the camera's id; there is only one camera
     in.skip_text();
     const size_t keypoints = in.count(kKeypointBytes);
     if (keypoints != static_cast<size_t>(keypoint_counts[static_cast<size_t>(image)]))
@@ -141,7 +140,7 @@ void read_images(Reader in, const std::vector<int>& keypoint_counts, SparseModel
     for (size_t k = 0; k < keypoints; ++k) {
       in.number();
       in.number();
-      in.take<uint64_t>();  // the point it sees; the points say so too
+      in.take<uint64_t>();  // the point that it sees; points3D.bin says so too
     }
   }
   in.expect_end();
@@ -149,7 +148,7 @@ void read_images(Reader in, const std::vector<int>& keypoint_counts, SparseModel
 
 using Track = std::vector<std::pair<int, int>>;
 
-// `used`: a keypoint sees one point at most.
+// Reads the track of a point. `used`: keypoints of earlier points; each keypoint may see only one point.
 Track take_track(Reader& in, const std::vector<int>& keypoint_counts, const SparseModel& model,
                  std::set<std::pair<int, int>>* used) {
   Track track;
@@ -178,7 +177,7 @@ void read_points(Reader in, const std::vector<int>& keypoint_counts, SparseModel
     SparseModel::Point point;
     point.position = in.vector();
     in.take<std::array<uint8_t, 3>>();  // colour
-    in.take<double>();                  // error; not a number for a model without bundle adjustment
+    in.take<double>();                  // error; NaN in a model without bundle adjustment
     point.track = take_track(in, keypoint_counts, *model, &used);
     if (!points.emplace(id, std::move(point)).second) in.fail(fmt::format("point {} is there twice", id));
   }
@@ -189,16 +188,16 @@ void read_points(Reader in, const std::vector<int>& keypoint_counts, SparseModel
 
 }  // namespace
 
-SparseModelFile read_colmap_model(const std::string& folder, const std::vector<int>& keypoint_counts) {
-  SparseModelFile result;
+Result<SparseModel> read_colmap_model(const std::string& folder, const std::vector<int>& keypoint_counts) {
+  SparseModel model;
   try {
-    read_cameras(Reader(folder + "/cameras.bin"), &result.model);
-    read_images(Reader(folder + "/images.bin"), keypoint_counts, &result.model);
-    read_points(Reader(folder + "/points3D.bin"), keypoint_counts, &result.model);
-  } catch (const Corrupt& problem) {
-    result = {.model = {}, .error = problem.what()};
+    read_cameras(Reader(folder + "/cameras.bin"), &model);
+    read_images(Reader(folder + "/images.bin"), keypoint_counts, &model);
+    read_points(Reader(folder + "/points3D.bin"), keypoint_counts, &model);
+  } catch (const Corrupt& corrupt) {
+    return corrupt.error;
   }
-  return result;
+  return model;
 }
 
 std::vector<std::string> colmap_model_folders(const std::string& folder) {

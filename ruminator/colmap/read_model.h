@@ -1,24 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reads the sparse models that COLMAP's mapper leaves (cameras.bin, images.bin, points3D.bin).
+// Reads the sparse models that COLMAP's mapper writes (cameras.bin, images.bin, points3D.bin).
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "ruminator/model/sparse_model.h"
 
 namespace rumi::ruminator {
 
-struct SparseModelFile {
-  SparseModel model;
-  std::string error;  // empty, or the file, what is wrong and where
-  bool ok() const { return error.empty(); }
-};
-
-// Every count, index and number in the files is checked: images and keypoints as in `keypoint_counts` (per image),
-// finite values, positive focal lengths. A truncated or corrupt file is an error.
-SparseModelFile read_colmap_model(const std::string& folder, const std::vector<int>& keypoint_counts);
-// The folders 0, 1, 2, ... that the mapper made under `folder`, in order.
+// Checks every count, index and number in the files: images and keypoints must agree with `keypoint_counts` (by image),
+// values must be finite and focal lengths positive. If a file is missing, truncated or corrupt, returns an Error with
+// its name, the fault and the position in bytes.
+Result<SparseModel> read_colmap_model(const std::string& folder, const std::vector<int>& keypoint_counts);
+// Returns the folders 0, 1, 2, ... that the mapper made in `folder`, in order.
 std::vector<std::string> colmap_model_folders(const std::string& folder);
 
 }  // namespace rumi::ruminator

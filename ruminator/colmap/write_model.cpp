@@ -7,13 +7,14 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+
 #include "base/this_process/account_limits.h"
 
 namespace rumi::ruminator {
 namespace {
 
 constexpr uint64_t kNoPoint = std::numeric_limits<uint64_t>::max();
-constexpr int32_t kPinhole = 1;      // COLMAP's number of the camera model
+constexpr int32_t kPinhole = 1;      // COLMAP's id of the camera model
 constexpr double kPixelShift = 0.5;  // COLMAP's upper-left pixel has its centre at (0.5, 0.5)
 
 class Writer {
@@ -28,9 +29,10 @@ class Writer {
     out_.write(text.c_str(), static_cast<std::streamsize>(text.size() + 1));
     return *this;
   }
-  std::string finish() {
+  Result<> finish() {
     out_.close();
-    return out_ ? "" : fmt::format("{}: cannot be written: {}", name_, write_error_text(errno));
+    if (out_) return {};
+    return Error{fmt::format("cannot be written: {}", write_error_text(errno)), name_};
   }
 
  private:
@@ -38,7 +40,7 @@ class Writer {
   std::ofstream out_;
 };
 
-std::string write_camera(const std::string& file, const Camera& camera) {
+Result<> write_camera(const std::string& file, const Camera& camera) {
   Writer out(file);
   out.put(uint64_t{1}).put(uint32_t{1}).put(kPinhole);
   out.put(static_cast<uint64_t>(camera.width)).put(static_cast<uint64_t>(camera.height));
@@ -46,7 +48,7 @@ std::string write_camera(const std::string& file, const Camera& camera) {
   return out.finish();
 }
 
-std::string write_images(const std::string& file, const std::vector<WindowImage>& images, const SparseModel& model) {
+Result<> write_images(const std::string& file, const std::vector<WindowImage>& images, const SparseModel& model) {
   std::vector<std::vector<uint64_t>> point_of;
   point_of.reserve(images.size());
   for (const WindowImage& image : images) point_of.emplace_back(image.keypoints.size(), kNoPoint);
@@ -69,7 +71,7 @@ std::string write_images(const std::string& file, const std::vector<WindowImage>
   return out.finish();
 }
 
-std::string write_points(const std::string& file, const SparseModel& model) {
+Result<> write_points(const std::string& file, const SparseModel& model) {
   Writer out(file);
   out.put(static_cast<uint64_t>(model.points.size()));
   for (size_t p = 0; p < model.points.size(); ++p) {
@@ -85,12 +87,11 @@ std::string write_points(const std::string& file, const SparseModel& model) {
 
 }  // namespace
 
-std::string write_colmap_model(const std::string& folder, const Camera& camera, const std::vector<WindowImage>& images,
-                               const SparseModel& model) {
-  std::string error = write_camera(folder + "/cameras.bin", camera);
-  if (error.empty()) error = write_images(folder + "/images.bin", images, model);
-  if (error.empty()) error = write_points(folder + "/points3D.bin", model);
-  return error;
+Result<> write_colmap_model(const std::string& folder, const Camera& camera, const std::vector<WindowImage>& images,
+                            const SparseModel& model) {
+  if (Result<> camera_file = write_camera(folder + "/cameras.bin", camera); !camera_file) return camera_file;
+  if (Result<> images_file = write_images(folder + "/images.bin", images, model); !images_file) return images_file;
+  return write_points(folder + "/points3D.bin", model);
 }
 
 }  // namespace rumi::ruminator

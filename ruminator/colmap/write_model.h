@@ -9,9 +9,10 @@
 
 namespace rumi::ruminator {
 
-// Writes a model as `colmap mapper --input_path` wants it (cameras.bin, images.bin, points3D.bin) into an existing
-// folder: images and camera as in write_colmap_database. Returns what went wrong (file, reason), or an empty string.
-std::string write_colmap_model(const std::string& folder, const Camera& camera, const std::vector<WindowImage>& images,
-                               const SparseModel& model);
+// Writes a model into an existing folder, in the format that `colmap mapper --input_path` reads (cameras.bin,
+// images.bin, points3D.bin), with the images and the camera of write_colmap_database(). An Error has the file and the
+// reason.
+Result<> write_colmap_model(const std::string& folder, const Camera& camera, const std::vector<WindowImage>& images,
+                            const SparseModel& model);
 
 }  // namespace rumi::ruminator

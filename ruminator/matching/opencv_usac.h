@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How OpenCV is asked for an essential matrix. What its threshold means differs: for OpenCV 4.6 it is the distance from
-// both epipolar lines, sqrt(d1² + d2²), for 4.10 the Sampson error, which is half of that where both lines count alike.
+// Parameters for OpenCV's search for an essential matrix. The meaning of its threshold differs: in OpenCV 4.6 it is the
+// distance from both epipolar lines, sqrt(d1² + d2²), in 4.10 the Sampson error, which is half of that if d1 = d2.
 #pragma once
 
 #include <opencv2/calib3d.hpp>
@@ -8,7 +8,7 @@
 namespace rumi::ruminator {
 
 struct EssentialSearch {
-  double max_distance = 1.5;  // of an inlier from both epipolar lines, sqrt(d1² + d2²), in the unit of the points
+  double max_distance = 1.5;  // largest sqrt(d1² + d2²) of an inlier, in the unit of the points
   double confidence = 0.9999;
   int iterations = 2000;
 };

@@ -19,35 +19,35 @@
 namespace rumi::ruminator {
 namespace {
 
-constexpr int kMinMatches = 20;       // twice what a model of eight parameters needs, and some outliers
-constexpr size_t kMostMatches = 400;  // more say the same
-constexpr double kMinSigmaPx = 1;     // of a keypoint: finer than that no lens is known
-constexpr double kMaxSigmaPx = 2;     // more: what fits is chance
-constexpr double kRoughErrorPx = 3;   // of an inlier, while sigma is not known
-constexpr double kNearSigmas = 2;     // of an inlier, once it is
-constexpr int kSamples = 500;         // of RANSAC, at most
+constexpr int kMinMatches = 20;  // least number of matches: twice the parameters of an essential matrix, and outliers
+constexpr size_t kMostMatches = 400;  // more would not change the answer
+constexpr double kMinSigmaPx = 1;     // least standard deviation of a keypoint: no lens is calibrated better
+constexpr double kMaxSigmaPx = 2;  // greatest standard deviation of a keypoint: beyond it, a good fit is due to chance
+constexpr double kRoughErrorPx = 3;  // largest error of an inlier while sigma is unknown
+constexpr double kNearSigmas = 2;    // largest error of an inlier once sigma is known, in sigmas
+constexpr int kSamples = 500;        // most RANSAC samples
 constexpr int kTurnSteps = 20;
-// How far a calibration may be off: the logarithm of the focal length, and the radial distortion.
+// Largest errors of a calibration that are assumed: of the log focal length, and of the radial distortion.
 constexpr double kFocalSlack = 0.15, kDistortionSlack = 0.05;
 
 using Vector5d = Eigen::Matrix<double, 5, 1>;
 
-// Torr's constants, for r = 4 coordinates of a match.
+// Torr's constant r: a match has 4 coordinates.
 constexpr double kCoordinates = 4;
 struct ModelSize {
-  double dimension = 0;  // of the manifold that its matches lie on
+  double dimension = 0;  // dimension of the manifold on which the model's matches lie
   double parameters = 0;
 };
 constexpr ModelSize kTurnSize{2, 5}, kDepthSize{3, 5};
 constexpr double kOutlierFactor = 2;
-// Of a match that has nothing to do with any other: it lies where it likes. What costs more explains nothing.
+// The cost of a match that follows no model, but lies anywhere. A model that costs more explains nothing.
 const double kUnrelatedCost = std::log(4.0) * kCoordinates;
-// Blur makes keypoints uncertain along one direction, which an essential matrix takes for depth, and then costs a
-// little less by right. So there is depth only where of the matches that it explains so many are so far, in sigmas,
-// from where the rotation has them. Of matches that fit one of the two without error, that share makes the costs equal.
+// Blur makes keypoints uncertain along one direction. An essential matrix can explain that as depth, at a slightly
+// lower cost. Therefore a lower cost is not enough for depth: at least kMovedShare of the matches that the essential
+// matrix explains must be at least kMovedSigmas away from where the rotation puts them.
 constexpr double kMovedShare = 0.2, kMovedSigmas = 4;
 
-// Squared distances of the matches from what the model allows, in pixels: cost per match.
+// Returns the cost per match. `squares`: squared distances of the matches from the model, in square pixels.
 double gric(const std::vector<double>& squares, double sigma_px, ModelSize size) {
   const auto n = static_cast<double>(squares.size());
   const double most = kOutlierFactor * (kCoordinates - size.dimension);
@@ -58,7 +58,7 @@ double gric(const std::vector<double>& squares, double sigma_px, ModelSize size)
 
 struct Matches {
   std::vector<Eigen::Vector2d> first, second;    // rays (x/z, y/z, 1)
-  std::vector<cv::Point2d> first_px, second_px;  // the same times the focal length
+  std::vector<cv::Point2d> first_px, second_px;  // rays times the focal length
   double focal_px = 1;
 };
 
@@ -77,7 +77,7 @@ Matches select(const Camera& camera, const std::vector<Eigen::Vector2f>& first,
   return m;
 }
 
-// Sampson's distance from an epipolar constraint.
+// Returns the squared Sampson distances of the matches from the epipolar constraint, in square pixels.
 std::vector<double> epipolar_errors(const Matches& m, const Eigen::Matrix3d& essential) {
   std::vector<double> squares;
   for (size_t i = 0; i < m.first.size(); ++i) {
@@ -93,7 +93,7 @@ double robust_sum(const std::vector<double>& squares) {
   return sum;
 }
 
-// Refines the pose on the matches that it explains and keeps the best seen.
+// Refines the pose with the matches that it explains. Replaces `best` by its errors if they are smaller.
 void offer(const Matches& m, SE3 pose, std::vector<double>* best) {
   std::vector<double> errors = epipolar_errors(m, essential_matrix(pose));
   std::vector<Eigen::Vector2d> first, second;
@@ -108,7 +108,7 @@ void offer(const Matches& m, SE3 pose, std::vector<double>* best) {
   if (best->empty() || robust_sum(errors) < robust_sum(*best)) *best = std::move(errors);
 }
 
-// The essential matrix that most matches of small samples agree with; empty if there is none.
+// Finds the essential matrix with most inliers by RANSAC. Returns an empty matrix if there is none.
 cv::Mat sampled_essential(const Matches& m, std::vector<uint8_t>* is_inlier) {
   try {
     const cv::UsacParams usac =
@@ -117,14 +117,15 @@ cv::Mat sampled_essential(const Matches& m, std::vector<uint8_t>* is_inlier) {
     const cv::Mat e =
         cv::findEssentialMat(m.first_px, m.second_px, k, k, cv::noArray(), cv::noArray(), *is_inlier, usac);
     if (e.rows == 3 && e.cols == 3 && is_inlier->size() == m.first.size()) return e;
-  } catch (const cv::Exception&) {  // degenerate matches, e.g. all in one point
+  } catch (const cv::Exception&) {  // degenerate matches, for example all at one point
   }
   is_inlier->clear();
   return {};
 }
 
-// Of the essential matrix that explains most: the sampled one, or that of a step to any side after the rotation, where
-// samples of a small step find many that are as good.
+// Returns the errors of the essential matrix that explains most matches: the sampled one, or one made of the rotation
+// `turn` and a step in any direction, refined. The steps are tried because for a small motion sampling finds many
+// matrices that fit equally well.
 std::vector<double> depth_errors(const Matches& m, const Eigen::Matrix3d& turn, const cv::Mat& sampled) {
   std::vector<double> best;
   for (int x = -1; x <= 1; ++x)
@@ -145,11 +146,11 @@ std::vector<double> depth_errors(const Matches& m, const Eigen::Matrix3d& turn, 
   return best;
 }
 
-// A rotation through a lens that is not quite the calibrated one.
+// A rotation of a camera whose true lens differs slightly from the calibration.
 struct Turn {
   Eigen::Matrix3d second_from_first = Eigen::Matrix3d::Identity();
-  double log_focal = 0;   // of the true focal length over the calibrated one
-  double distortion = 0;  // radial, that was not taken out
+  double log_focal = 0;   // logarithm of the true focal length over the calibrated one
+  double distortion = 0;  // radial distortion that remains after undistorting
 
   Eigen::Vector2d corrected(const Eigen::Vector2d& ray) const {
     return ray * std::exp(-log_focal) * (1 + distortion * ray.squaredNorm());
@@ -164,7 +165,8 @@ Turn moved(const Turn& turn, const Vector5d& step) {
   return result;
 }
 
-// What is left of each match in the second image, pixels. Both keypoints have an error, so its square is of two.
+// Returns the residual of each match in the second image, in pixels. Both keypoints have errors, so its variance is
+// twice that of a keypoint.
 std::vector<Eigen::Vector2d> residuals(const Matches& m, const Turn& turn) {
   std::vector<Eigen::Vector2d> all;
   const double px = m.focal_px * std::exp(turn.log_focal);
@@ -183,7 +185,7 @@ std::vector<double> turn_errors(const std::vector<Eigen::Vector2d>& residuals) {
   return squares;
 }
 
-// Geman and McClure's: what is far out has no say.
+// Sums up Geman and McClure's cost, in which outliers have almost no influence.
 double cost_of(const std::vector<Eigen::Vector2d>& residuals) {
   double sum = 0;
   for (const Eigen::Vector2d& r : residuals) sum += 1 - 1 / (1 + r.squaredNorm() / (kRoughErrorPx * kRoughErrorPx));
@@ -199,7 +201,7 @@ struct NormalEquations {
     std::array<std::vector<Eigen::Vector2d>, 5> beside;
     Vector5d step;
     for (int k = 0; k < 5; ++k) {
-      // A slack that is used up has its derivative on the other side.
+      // At the limit of an allowed calibration error, takes the derivative from the other side.
       step(k) = (k == 3 && turn.log_focal > 0) || (k == 4 && turn.distortion > 0) ? -kStep : kStep;
       beside[k] = residuals(m, moved(turn, step(k) * Vector5d::Unit(k)));
     }
@@ -236,7 +238,8 @@ Turn refine(const Matches& m, Turn turn) {
   return turn;
 }
 
-// From all matches, and from those that are on their epipolar lines: of many wrong ones these leave few.
+// Fits a rotation twice, starting from all matches and from the inliers of the essential matrix, among which few are
+// wrong, and returns the better fit. Returns nullopt if no rotation fits.
 std::optional<Turn> fit_turn(const Matches& m, const std::vector<uint8_t>& is_inlier) {
   std::optional<Turn> best;
   for (const bool all : {true, false}) {
@@ -254,13 +257,13 @@ std::optional<Turn> fit_turn(const Matches& m, const std::vector<uint8_t>& is_in
   return best;
 }
 
-// Of keypoints, from those matches that the widest model explains.
+// Estimates the standard deviation of a keypoint from the matches that the more general model explains.
 double sigma_of(const std::vector<double>& squares) {
   std::vector<double> errors;
   for (const double square : squares)
     if (square < kRoughErrorPx * kRoughErrorPx) errors.push_back(std::sqrt(square));
   if (errors.empty()) return kMaxSigmaPx;
-  return std::clamp(1.4826 * median(&errors), kMinSigmaPx, kMaxSigmaPx);
+  return std::clamp(kSigmaFromMad * median(&errors), kMinSigmaPx, kMaxSigmaPx);
 }
 
 int count_inliers(const std::vector<double>& squares, double sigma_px) {

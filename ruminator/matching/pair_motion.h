@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the matches of two images say of the camera's motion: does it only turn, or is there depth to be seen? The
-// models are compared by the geometric robust information criterion (GRIC: Torr, "Geometric motion segmentation and
-// model selection", Phil. Trans. R. Soc. A, 1998): what a model does not explain costs, and what it needs to explain
-// it.
+// Decides from the matches of two images whether the camera only rotated, or whether they show depth. The two models
+// are compared by the geometric robust information criterion (GRIC: Torr, "Geometric motion segmentation and model
+// selection", Phil. Trans. R. Soc. A, 1998), which charges a model for its residuals and for its parameters.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,24 +13,28 @@
 namespace rumi::ruminator {
 
 enum class MotionKind {
-  kUnknown,  // too few matches, too many that have nothing to do with each other, or a bit of either
-  kStill,    // the pictures are the same
-  kTurn,     // a rotation of the camera explains what moved
-  kDepth,    // it does not: an essential matrix does, for much that the rotation leaves far out
+  kUnknown,  // too few matches, too many outliers, or too little difference between the models
+  kStill,    // the images are the same
+  kTurn,     // a rotation of the camera explains the motion
+  kDepth,    // an essential matrix explains many matches that a rotation leaves far off
 };
 
 struct PairMotion {
   MotionKind kind = MotionKind::kUnknown;
-  int matches = 0;        // of one of the models, that are no outliers
-  double sigma_px = 0;    // of a keypoint's position
-  double turn_rad = 0;    // by the rotation that explains most
-  double turn_cost = 0;   // GRIC of the rotation, by match
-  double depth_cost = 0;  // the same of the essential matrix
-  double evidence = 0;    // of depth, of all matches: what it costs less; 0 where neither explains them
-  double moved = 0;       // part of the matches that it explains that are far from where the rotation has them
+  int matches = 0;        // inliers of the model with the lower cost
+  double sigma_px = 0;    // standard deviation of a keypoint's position
+  double turn_rad = 0;    // angle of the rotation that explains most matches
+  double turn_cost = 0;   // GRIC of the rotation, per match
+  double depth_cost = 0;  // GRIC of the essential matrix, per match
+  // By how much the essential matrix costs less, summed over all matches: evidence for depth. 0 if neither model
+  // explains them.
+  double evidence = 0;
+  // Share of the matches explained by the essential matrix that are far from where the rotation puts them.
+  double moved = 0;
 };
 
-// `matches`: with outliers, as match_sift returns them; undistorted pixels of either image by its indices.
+// `first`, `second`: undistorted pixels of the two images. `matches`: their indices, outliers included, as match_sift()
+// returns them.
 PairMotion judge_motion(const Camera& camera, const std::vector<Eigen::Vector2f>& first,
                         const std::vector<Eigen::Vector2f>& second, const IndexPairs& matches);
 

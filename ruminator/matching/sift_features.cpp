@@ -9,19 +9,20 @@
 namespace rumi::ruminator {
 namespace {
 
-constexpr double kContrast = 0.01;  // of a keypoint: a quarter of OpenCV's, the images of a gap are blurred or dark
-// Of an image with fewer keypoints than kFewKeypoints, in a second try: it is very dark, or blind.
+constexpr double kContrast = 0.01;  // a quarter of OpenCV's threshold, because images in a gap are blurred or dark
+// If an image has fewer keypoints than kFewKeypoints (it is very dark, or blank), this threshold is tried.
 constexpr double kLowContrast = 0.004;
 constexpr size_t kFewKeypoints = 60;
 
-constexpr float kMaxMargin = 8;  // pixels that a keypoint keeps from what the mask leaves out: its radius, at most
+constexpr float kMaxMargin = 8;  // px; keypoints stay their radius away from masked pixels, but at most this far
 
 struct Found {
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat histograms;
 };
 
-// OpenCV's own mask would be asked last: the strongest keypoints may all be of a caption.
+// Applies the mask before the strongest keypoints are chosen. OpenCV would do so after: then all of them might lie in a
+// caption, and none would be left.
 Found find_keypoints(const cv::Mat& grey, const ImageMask& mask, double contrast, int most) {
   Found found;
   if (mask.is_everything()) {
@@ -38,7 +39,8 @@ Found find_keypoints(const cv::Mat& grey, const ImageMask& mask, double contrast
   return found;
 }
 
-// Square roots of the L1-normalized histogram: their Euclidean distance is the Hellinger distance of the histograms.
+// Returns the square roots of the L1-normalized histogram. The Euclidean distance of such vectors is the Hellinger
+// distance of the histograms.
 SiftDescriptor root_sift(const float* histogram) {
   float sum = 0;
   for (int i = 0; i < 128; ++i) sum += histogram[i];

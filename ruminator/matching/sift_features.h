@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// SIFT keypoints (Lowe, IJCV 2004) for the back process: slower than ORB, but they bridge blur, darkness and wide
-// turns.
+// SIFT keypoints (Lowe, IJCV 2004) for the back process. They are slower than ORB, but can be matched across blur,
+// darkness and large rotations.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,18 +15,18 @@ namespace rumi::ruminator {
 
 using SiftDescriptor = std::array<uint8_t, 128>;  // RootSIFT (Arandjelovic and Zisserman, CVPR 2012), times 512
 
-// All three have the same length; the keypoints of the largest scale come first.
+// Vectors of equal length. The keypoints of the largest scale come first.
 struct SiftFeatures {
   std::vector<Eigen::Vector2f> undistorted;  // pixels without lens distortion
-  std::vector<float> scale_px;               // radius of the region described
+  std::vector<float> scale_px;               // radius of the described region
   std::vector<SiftDescriptor> descriptors;
   size_t size() const { return undistorted.size(); }
 };
 
 constexpr int kSiftKeypoints = 1000;
 
-// The strongest keypoints of an 8-bit grey image. Those whose pixel the lens model cannot undistort are left out.
-// There are none where the mask, of the image's size, leaves something out.
+// Finds the strongest keypoints of an 8-bit grey image. Leaves out keypoints that the lens model cannot undistort, and
+// those in or close to the masked part (the mask has the image's size).
 SiftFeatures extract_sift(const cv::Mat& grey, const Camera& camera, int max_keypoints = kSiftKeypoints,
                           const ImageMask& mask = {});
 

@@ -13,47 +13,48 @@ namespace rumi::ruminator {
 namespace {
 
 constexpr double kUnit = 512.0 * 512.0;  // squared length of a descriptor
-constexpr double kMaxDistance = 0.7;     // of a match's descriptors, of unit length
-constexpr double kMaxRatio = 0.8;        // of that distance to the second best
-constexpr int kMinMatches = 20;          // of a pair, for it to be verified
-constexpr int kIterations = 1000;        // RANSAC, at most
+constexpr double kMaxDistance = 0.7;     // largest distance between matched descriptors of unit length
+constexpr double kMaxRatio = 0.8;        // largest ratio of that distance to that of the second best
+constexpr int kMinMatches = 20;          // a pair with fewer matches is not verified
+constexpr int kIterations = 1000;        // most RANSAC iterations
 constexpr double kConfidence = 0.9999;
-constexpr double kMaxErrorPx = 1.5;  // from both epipolar lines, sqrt(d1² + d2²)
+constexpr double kMaxErrorPx = 1.5;  // largest distance from both epipolar lines, sqrt(d1² + d2²)
 
-// What chooses a clone runs before ThreadSanitizer is there.
+// ThreadSanitizer excludes clones of functions: the clone to run is chosen before the sanitizer has started.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 #define RUMI_VECTOR_CLONES __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
 #else
 #define RUMI_VECTOR_CLONES
 #endif
-// 8-bit values: nothing can overflow, and checked for it the loop takes a hundred times as long.
+// Checks are off, because they make the loop a hundred times slower, and 8-bit values cannot overflow it.
 #define RUMI_NO_SANITIZE __attribute__((no_sanitize("address", "undefined")))
 
 using WideDescriptor = std::array<int16_t, 128>;
-// In blocks of so many, which the compiler makes vector code of, for each kind of processor.
+// Descriptors are processed in blocks of this size, for which the compiler makes vector code for each kind of
+// processor.
 constexpr int kBlock = 16;
-constexpr int kLeast = std::numeric_limits<int>::min();  // less than any product
+constexpr int kLeast = std::numeric_limits<int>::min();  // less than any inner product
 constexpr size_t kBlockBytes = kBlock * sizeof(int);
 using Block = int __attribute__((vector_size(kBlockBytes)));
 
-// Memory for blocks is aligned to their size: the clones for newer processors count on more than the 16 bytes that are
-// the alignment of a Block in the rest of this file.
+// Memory for blocks is aligned to their size, because the clones for newer processors need more than the 16 bytes to
+// which a Block is aligned in the rest of this file.
 struct alignas(kBlockBytes) Products {
   Block product;
 };
 
-// For a block of descriptors the nearest one of the other image so far: product and index.
+// For a block of descriptors: the nearest descriptors so far in the other image, by inner product and index.
 struct alignas(kBlockBytes) Nearest {
   Block product = Block{} + kLeast, index = Block{} - 1;
 };
 
-// Of one descriptor, by the place in a block of the other image.
+// For one descriptor: the two largest inner products so far, separately for each position in the other image's blocks.
 struct alignas(kBlockBytes) TwoBest {
   Block best = Block{} + kLeast, second = Block{} + kLeast;
 };
 
-// Nearly all the time of matching goes here. Products of `a`, number `index` of its image, with all of `b`, in whole
-// blocks.
+// Computes the inner products of `a`, the descriptor at `index` in its image, with all of `b`, in whole blocks. Nearly
+// all the time of matching is spent here.
 RUMI_VECTOR_CLONES RUMI_NO_SANITIZE void multiply(const WideDescriptor& a, int index,
                                                   const std::vector<WideDescriptor>& b, Products* products,
                                                   TwoBest* of_a, Nearest* of_b) {
@@ -78,7 +79,7 @@ RUMI_VECTOR_CLONES RUMI_NO_SANITIZE void multiply(const WideDescriptor& a, int i
   of_a->second = second;
 }
 
-// Filled up to whole blocks by descriptors that nothing is like.
+// Appends zero descriptors, which resemble none, up to a whole number of blocks.
 std::vector<WideDescriptor> widen(const SiftFeatures& features, size_t count) {
   std::vector<WideDescriptor> wide((count + kBlock - 1) / kBlock * kBlock, WideDescriptor{});
   for (size_t i = 0; i < count; ++i) std::copy_n(features.descriptors[i].begin(), 128, wide[i].begin());
@@ -87,7 +88,8 @@ std::vector<WideDescriptor> widen(const SiftFeatures& features, size_t count) {
 
 double squared_distance(int product) { return std::max(0.0, 2 - 2.0 * product / kUnit); }
 
-// The product of the nearest one, if the second is far enough behind.
+// Returns the inner product of the nearest descriptor; nullopt if it is too far, or the second nearest is about as
+// near.
 std::optional<int> distinct_best(const TwoBest& two) {
   int best = kLeast, second = kLeast;
   for (int k = 0; k < kBlock; ++k) {
@@ -100,7 +102,8 @@ std::optional<int> distinct_best(const TwoBest& two) {
   return best;
 }
 
-// Samples of five that find kMinInliers right matches among so many; if fewer are right the pair does not count.
+// Returns how many samples of five find a model with kMinInliers right matches. With fewer right matches the pair is
+// refused anyway.
 int iterations_for(size_t matches) {
   const double right = std::min(1.0, kMinInliers / static_cast<double>(matches));
   const double needed = std::log(1 - kConfidence) / std::log(1 - std::pow(right, 5) + 1e-12);
@@ -147,7 +150,7 @@ IndexPairs verify_matches(const Camera& camera, const SiftFeatures& first, const
         {.max_distance = kMaxErrorPx, .confidence = kConfidence, .iterations = iterations_for(matches.size())});
     const cv::Matx33d k(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
     cv::findEssentialMat(a, b, k, k, cv::noArray(), cv::noArray(), is_inlier, usac);
-  } catch (const cv::Exception&) {  // degenerate matches, e.g. all in one point
+  } catch (const cv::Exception&) {  // degenerate matches, for example all at one point
     return {};
   }
   IndexPairs inliers;

@@ -8,11 +8,12 @@
 
 namespace rumi::ruminator {
 
-// One thing seen in several images: (image, keypoint), at most one per image, in order of image.
+// A point seen in several images: (image, keypoint), at most one per image, ordered by image.
 using Track = std::vector<std::pair<int, int>>;
 
-// The matches of all pairs joined. Those of the pairs with the most matches go first; one that would bring two
-// keypoints of an image into a track is wrong somewhere and left out. In order of the first observation.
+// Joins the matches of all pairs to tracks, which it returns in order of their first observation. Pairs with most
+// matches come first. A match that would bring two keypoints of one image into a track is left out, because something
+// in that track must be wrong.
 std::vector<Track> join_tracks(const std::vector<WindowImage>& images, const std::vector<ImagePair>& pairs);
 
 }  // namespace rumi::ruminator

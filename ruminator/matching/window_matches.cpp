@@ -16,16 +16,17 @@ namespace {
 
 using PairSet = std::set<std::pair<int, int>>;
 
-// A pair that is not near in time is looked at more closely only if its keypoints of the largest scale have so many
-// matches (Wu, "Towards linear-time incremental structure from motion", 3DV 2013).
+// A pair far apart in time is matched completely only if its kPreviewKeypoints keypoints of the largest scale have at
+// least kPreviewMatches matches (Wu, "Towards linear-time incremental structure from motion", 3DV 2013).
 constexpr int kPreviewKeypoints = 150;
 constexpr int kPreviewMatches = 6;
 
-// Pairs far apart in time that show the same things, as a preview of each tells: for each image the best.
+// Returns pairs far apart in time for which the preview finds matches: for each image those with most of them.
 PairSet select_far_pairs(const std::vector<SiftFeatures>& images, const PairSelection& selection,
                          const std::atomic<bool>& cancel) {
   const int count = static_cast<int>(images.size());
-  std::vector<std::vector<std::pair<int, int>>> candidates(images.size());  // (-matches, other image)
+  // By image: minus the number of matches, and the other image.
+  std::vector<std::vector<std::pair<int, int>>> candidates(images.size());
   for (int i = 0; i < count && !cancel; ++i) {
     for (int j = i + selection.near + 1; j < count; ++j) {
       const auto matches = static_cast<int>(match_sift(images[i], images[j], kPreviewKeypoints).size());
@@ -72,8 +73,8 @@ double parallax_px(const Camera& camera, const std::vector<SiftFeatures>& images
     first.push_back(camera.ray(images[pair.first].undistorted[i]).normalized());
     second.push_back(camera.ray(images[pair.second].undistorted[j]).normalized());
   }
-  // The rotation that brings the directions together best (Kabsch), twice: the second time those that moved most, being
-  // near, have less to say.
+  // Finds the rotation that best aligns the directions (Kabsch), twice. The second time, matches that moved much have
+  // less weight, because they are probably near the camera.
   std::vector<double> weight(first.size(), 1), angle(first.size());
   for (int round = 0; round < 2; ++round) {
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();

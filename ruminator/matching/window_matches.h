@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the images of a window have in common. The back process looks at all pairs (paper, section IV.B), where the
-// front one looks at its neighbourhood in time and place only.
+// Matches the images of a window. The back process looks for matches in all pairs (paper, section IV.B), while the
+// front process compares only neighbours in time and space.
 #pragma once
 
 #include <atomic>
@@ -13,22 +13,22 @@
 namespace rumi::ruminator {
 
 struct PairSelection {
-  int near = 10;  // images apart: matched in full; farther pairs only if the preview finds something,
-  int far = 10;   // and of those the best of each image
+  int near = 10;  // pairs at most this many images apart are matched completely
+  int far = 10;   // most of the farther pairs, for each image, that are matched after a successful preview
 };
 
-// The verified pairs, in order. Stops early, with what it has, when `cancel` is set.
+// Returns the verified pairs, in order. If `cancel` becomes true, stops and returns the pairs found so far.
 std::vector<ImagePair> match_window(const Camera& camera, const std::vector<SiftFeatures>& images,
                                     const PairSelection& selection,
                                     const std::function<void(double fraction)>& progress,
                                     const std::atomic<bool>& cancel);
 
-// How far the matches of a pair move apart, in pixels, beyond what a turn of the camera explains: the median. Less than
-// the keypoints' error, and nothing can be said of depth. 0 without matches.
+// Returns the median motion of a pair's matches, in pixels, after the best rotation is removed; 0 without matches. A
+// parallax below the error of the keypoints says nothing about depth.
 double parallax_px(const Camera& camera, const std::vector<SiftFeatures>& images, const ImagePair& pair);
 
-// The images that hang together over pairs of at least `min_matches`: the index of its group for each image, groups
-// numbered from the largest, those of one image included.
+// Groups the images that are connected by pairs with at least `min_matches` matches. Returns the group number of each
+// image; 0 is the largest group, and single images are groups too.
 std::vector<int> connected_images(int images, const std::vector<ImagePair>& pairs, int min_matches);
 
 }  // namespace rumi::ruminator

@@ -14,7 +14,8 @@ struct PosePair {
   SE3 cam_from_front, cam_from_model;
 };
 
-// Every pair of frames gives a rotation from model to front; the one that the others differ least from is taken.
+// Every frame gives a rotation from model to front submap. Returns the median difference of the others from the one
+// that agrees best.
 double rotation_difference_deg(const std::vector<PosePair>& pairs) {
   std::vector<Eigen::Quaterniond> front_from_model;
   front_from_model.reserve(pairs.size());

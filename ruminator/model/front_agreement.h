@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Does a rebuilt window agree with front_tracker's poses? front_tracker tracked the approach and the departure, each in
-// one submap, so the window and the submap must have the same shape there.
+// Tests whether a rebuilt window agrees with front_tracker's poses. front_tracker tracked the approach and the
+// departure each in one submap, so there the window and the submap must have the same shape.
 #pragma once
 
 #include <map>
@@ -11,18 +11,18 @@
 
 namespace rumi::ruminator {
 
-constexpr size_t kMinFrontFrames = 5;  // that a comparison needs
+constexpr size_t kMinFrontFrames = 5;  // least number of frames for a comparison
 
 struct FrontAgreement {
   int32_t submap_id = kNoSubmap;
-  int frames = 0;           // that both have a pose of
-  double rotation_deg = 0;  // median difference after alignment
-  double position_ratio =
-      0;  // RMS distance after Sim(3) alignment over the spread (RMS from the mean) of the positions
+  int frames = 0;           // number of frames with a pose in both
+  double rotation_deg = 0;  // median difference of the rotations after alignment
+  // RMS distance after Sim(3) alignment, over the RMS distance of the positions from their mean.
+  double position_ratio = 0;
 };
 
-// One entry for each front submap that at least kMinFrontFrames of the samples have a pose in, in order of id.
-// cam_from_model: by utime.
+// Returns one entry for each front submap that has at least kMinFrontFrames of the samples, ordered by id.
+// `cam_from_model`: the model's poses by utime.
 std::vector<FrontAgreement> compare_with_front(const std::vector<Sample>& samples,
                                                const std::map<int64_t, SE3>& cam_from_model);
 

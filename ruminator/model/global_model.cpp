@@ -19,10 +19,10 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr size_t kMinPairMatches = 20;      // of a pair of images, for a relative rotation
-constexpr double kMaxRotationErrorDeg = 5;  // between a pair and the averaged rotations; beyond it it is not used
-constexpr int kTracksPerImage = 200;        // at least, where there are so many
-constexpr int kIterations = 100;            // of placing cameras and points, at most
+constexpr size_t kMinPairMatches = 20;      // least matches of an image pair from which a relative rotation is computed
+constexpr double kMaxRotationErrorDeg = 5;  // a pair that differs more from the averaged rotations is left out
+constexpr int kTracksPerImage = 200;        // tracks are selected until each image has this many, if it has them
+constexpr int kIterations = 100;            // most iterations of the joint solution for cameras and points
 
 std::optional<Quaterniond> relative_rotation(const Camera& camera, const std::vector<WindowImage>& images,
                                              const ImagePair& pair) {
@@ -35,7 +35,7 @@ std::optional<Quaterniond> relative_rotation(const Camera& camera, const std::ve
   cv::Mat rotation, translation;
   try {
     const cv::Mat k = cv::Mat::eye(3, 3, CV_64F);
-    // The matches are verified: few samples will do, and the best is refined over all.
+    // The matches are verified, so few samples suffice. The best model is refined over all matches.
     const double pixel = 1 / (0.5 * (camera.fx + camera.fy));
     const cv::UsacParams usac = usac_params({.max_distance = 1.5 * pixel, .confidence = 0.999, .iterations = 200});
     const cv::Mat essential = cv::findEssentialMat(a, b, k, k, cv::noArray(), cv::noArray(), cv::noArray(), usac);
@@ -70,7 +70,8 @@ std::vector<RelativeRotation> in_largest_part(size_t images, std::vector<Relativ
   return rotations;
 }
 
-// Rotations cam_from_world along the tree of the strongest pairs, then all pairs together, robustly.
+// Chains the rotations cam_from_world along the tree of the strongest pairs, then adjusts all of them together by
+// robust least squares.
 std::vector<std::optional<Quaterniond>> average_rotations(size_t images, std::vector<RelativeRotation> pairs) {
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const auto& a, const auto& b) { return a.pair->matches.size() > b.pair->matches.size(); });
@@ -86,7 +87,7 @@ std::vector<std::optional<Quaterniond>> average_rotations(size_t images, std::ve
       else
         rotations[p.first] = p.second_from_first.conjugate() * *rotations[p.second];
       grown = true;
-      break;  // the strongest pair that grows the tree, again
+      break;  // begins again with the strongest pair that extends the tree
     }
   }
   ceres::Problem problem;
@@ -109,7 +110,7 @@ std::vector<std::optional<Quaterniond>> average_rotations(size_t images, std::ve
   return rotations;
 }
 
-// The longest tracks, as many as give every image enough of them: the rest would cost time and add little.
+// Selects the longest tracks until each image has enough of them. More tracks would cost time and add little.
 std::vector<Track> select_tracks(std::vector<Track> tracks, size_t images, int min_track_images) {
   std::stable_sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.size() > b.size(); });
   std::vector<int> count(images, 0);
@@ -125,8 +126,8 @@ std::vector<Track> select_tracks(std::vector<Track> tracks, size_t images, int m
   return selected;
 }
 
-// The ray's direction, seen from the camera's centre to the point: bilinear, and so without the local minima that a
-// reprojection error has far from the solution.
+// Residual of the direction from the camera's centre to the point. It is bilinear, and therefore lacks the local minima
+// that a reprojection error has far from the solution.
 struct DirectionError {
   Vector3d direction;
   template <class T>
@@ -175,7 +176,7 @@ void position(const Camera& camera, const std::vector<WindowImage>& images,
     if (seen[i]) ordering->AddElementToGroup(centers[i].data(), 2);
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // CHOLMOD brings threads of its own
+  solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // CHOLMOD would start its own threads
   solver.linear_solver_ordering = ordering;
   solver.max_num_iterations = kIterations;
   solver.function_tolerance = 1e-5;
@@ -219,7 +220,7 @@ std::optional<SparseModel> build_global_model(const Camera& camera, const std::v
 }
 
 double median_rotation_error_deg(const std::vector<RelativeRotation>& rotations, const SparseModel& model) {
-  std::vector<std::pair<double, size_t>> angles;  // radians, matches
+  std::vector<std::pair<double, size_t>> angles;  // angle in radians, number of matches
   size_t matches = 0;
   for (const RelativeRotation& r : rotations) {
     const auto first = model.cam_from_world.find(r.first), second = model.cam_from_world.find(r.second);

@@ -12,15 +12,15 @@
 namespace rumi::ruminator {
 namespace {
 
-constexpr int kMinPoints = 15;     // that both models place alike
-constexpr double kMinShare = 0.5;  // of all points that both place
-constexpr double kMaxErrorPx = 6;  // mean, of a point of one model in the images of the other, both ways
-constexpr int kSamples = 500;      // of three points, in search of the transform
-// Of front_tracker's poses that tie two sides: see FrontAgreement.
+constexpr int kMinPoints = 15;     // least number of points that both models place alike
+constexpr double kMinShare = 0.5;  // least share of these among all points in common
+constexpr double kMaxErrorPx = 6;  // largest mean error of a point in the images of the other model, both ways
+constexpr int kSamples = 500;      // most samples of three points in the search for the transform
+// Limits for front_tracker's poses to tie two models: see FrontAgreement.
 constexpr double kFrontMaxPositionRatio = 0.1;
 constexpr double kFrontMaxRotationDeg = 5;
 
-using PointOf = std::map<std::pair<int, int>, const SparseModel::Point*>;  // by (image, keypoint)
+using PointOf = std::map<std::pair<int, int>, const SparseModel::Point*>;  // by an observation: (image, keypoint)
 
 PointOf points_by_keypoint(const SparseModel& model) {
   PointOf points;
@@ -35,7 +35,7 @@ const SparseModel::Point* point_of_track(const PointOf& points, const Track& tra
   return nullptr;
 }
 
-// Of a position in the images that see the point.
+// Returns the mean reprojection error of a position in the images that see the point; infinite if it is behind one.
 double mean_error_px(const Camera& camera, const std::vector<WindowImage>& images, const SparseModel& model,
                      const SparseModel::Point& point, const Eigen::Vector3d& position) {
   double sum = 0;
@@ -67,8 +67,8 @@ struct FrontPose {
   SE3 cam_from_submap, cam_from_model;
 };
 
-// The rotation is that of the poses: centres on a line would not tell it. Of all rotations the one that the others
-// differ least from.
+// Returns the alignment of the camera centres, with a rotation taken from the poses, because centres on a line would
+// not determine it: the frame's rotation from which those of the other frames differ least.
 std::optional<Sim3> submap_from_model(const std::vector<FrontPose>& poses) {
   std::vector<Eigen::Vector3d> in_model, in_submap;
   std::vector<Eigen::Quaterniond> rotations;
@@ -93,7 +93,7 @@ std::optional<Sim3> submap_from_model(const std::vector<FrontPose>& poses) {
   return Sim3(aligned->scale, rotation, mean_in_submap - aligned->scale * (rotation * mean_in_model));
 }
 
-// Of every front submap that the model agrees with.
+// Returns a transform for each front submap with which the model agrees.
 std::map<int32_t, Sim3> submaps_from_model(const std::vector<Sample>& front, const std::vector<int64_t>& utimes_us,
                                            const SparseModel& model) {
   std::map<int64_t, SE3> cam_from_model;

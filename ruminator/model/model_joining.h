@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Brings two models of one window into one unit and one frame of reference, by the points that both see or by
+// Brings two models of one window into the same unit and frame of reference, by the points that both have or by
 // front_tracker's poses.
 #pragma once
 
@@ -14,15 +14,18 @@
 
 namespace rumi::ruminator {
 
-// a_from_b, from the tracks that both models have points of; nothing where too few agree. Deterministic.
+// Computes a_from_b from the tracks for which both models have a point. Returns nullopt if too few agree.
+// Deterministic.
 std::optional<Sim3> align_models(const Camera& camera, const std::vector<WindowImage>& images,
                                  const std::vector<Track>& tracks, const SparseModel& a, const SparseModel& b);
 
-// The images of both models; an image of both keeps its pose in `a`. Without points: triangulate them anew.
+// Returns the images of both models. An image in both keeps its pose in `a`. The result has no points: they must be
+// triangulated again.
 SparseModel join_models(const Sim3& a_from_b, const SparseModel& a, const SparseModel& b);
 
-// before_from_after, from the frames of one front submap that both models have. Nothing if a model has fewer than
-// kMinFrontFrames of them, or disagrees with the submap. utimes: of the images.
+// Computes before_from_after from the frames of one front submap that are in both models. Returns nullopt if for each
+// submap one of the models has fewer than kMinFrontFrames of them, or disagrees with it. `utimes_us`: times of the
+// images.
 std::optional<Sim3> front_tie(const std::vector<Sample>& front, const std::vector<int64_t>& utimes_us,
                               const SparseModel& before, const SparseModel& after);
 

@@ -13,7 +13,7 @@
 namespace rumi::ruminator {
 namespace {
 
-constexpr int kIterations = 20;  // of a bundle adjustment
+constexpr int kIterations = 20;  // most iterations of a bundle adjustment
 
 using PointIndex = std::vector<std::vector<int>>;  // [image][keypoint]: point, or kNone
 
@@ -32,7 +32,7 @@ double error_px(const Camera& camera, const SE3& cam_from_world, const Eigen::Ve
   return (camera.project_undistorted(in_camera) - pixel.cast<double>()).norm();
 }
 
-// Unit vectors from the point to the cameras that see it.
+// Returns the unit vectors from the point to the cameras that see it.
 std::vector<Eigen::Vector3d> directions_to_cameras(const SparseModel& model, const SparseModel::Point& point) {
   std::vector<Eigen::Vector3d> directions;
   for (const auto& [image, keypoint] : point.track)
@@ -41,11 +41,11 @@ std::vector<Eigen::Vector3d> directions_to_cameras(const SparseModel& model, con
 }
 
 struct WidestRays {
-  double cosine = 1;  // of the angle between them: the parallax
+  double cosine = 1;  // cosine of the parallax, the angle between the two rays
   size_t first = 0, second = 0;
 };
 
-// The two rays with the largest angle between them, without the ray `left_out`.
+// Finds the two rays with the largest angle between them, ignoring the ray `left_out`.
 WidestRays widest_rays(const std::vector<Eigen::Vector3d>& directions, size_t left_out = SIZE_MAX) {
   WidestRays widest;
   for (size_t i = 0; i < directions.size(); ++i) {
@@ -79,7 +79,7 @@ void solve(const Camera& camera, const std::vector<WindowImage>& images, SparseM
 
 bool resect_image(const Camera& camera, const std::vector<WindowImage>& images, const std::vector<ImagePair>& pairs,
                   int image, const ModelRefinementOptions& options, SparseModel* model, PointIndex* index) {
-  std::map<int, int> candidates;  // keypoint -> point, from the earliest pair that has one
+  std::map<int, int> candidates;  // keypoint -> point, taken from the first pair that has one
   for (const ImagePair& pair : pairs) {
     if (pair.first != image && pair.second != image) continue;
     const int other = pair.first == image ? pair.second : pair.first;
@@ -110,7 +110,7 @@ bool resect_image(const Camera& camera, const std::vector<WindowImage>& images, 
   return true;
 }
 
-// Triangulates the matches of the image with other images of the model that belong to no point yet.
+// Triangulates those matches of the image with other images of the model that do not belong to a point yet.
 void triangulate_matches(const Camera& camera, const std::vector<WindowImage>& images,
                          const std::vector<ImagePair>& pairs, int image, const ModelRefinementOptions& options,
                          SparseModel* model, PointIndex* index) {
@@ -160,7 +160,7 @@ void prune_model(const Camera& camera, const std::vector<WindowImage>& images, c
   std::map<int, int> seen;
   for (const SparseModel::Point& point : model->points)
     for (const auto& [image, keypoint] : point.track) ++seen[image];
-  // An image that sees fewer points than a resection needs has no reliable pose.
+  // An image that sees fewer points than resection needs has no reliable pose.
   std::set<int> gone;
   for (const auto& [image, pose] : model->cam_from_world)
     if (seen[image] < options.resection_min_inliers) gone.insert(image);
@@ -228,7 +228,7 @@ void triangulate_tracks(const Camera& camera, const std::vector<WindowImage>& im
 
 namespace {
 
-// Counts, for each image, its points that the other images alone can triangulate.
+// Counts, for each image, the points in it that the other images alone can triangulate.
 std::map<int, int> points_placed_by_others(const ModelRefinementOptions& options, const SparseModel& model) {
   const double max_cosine = std::cos(0.5 * options.min_parallax_deg * M_PI / 180);
   std::map<int, int> placed;
@@ -244,7 +244,7 @@ std::map<int, int> points_placed_by_others(const ModelRefinementOptions& options
   return placed;
 }
 
-// Counts the points that these images see and all other images alone can triangulate.
+// Counts the points in these images that the other images alone can triangulate.
 int points_shared(const std::set<int>& images, const ModelRefinementOptions& options, const SparseModel& model) {
   const double max_cosine = std::cos(0.5 * options.min_parallax_deg * M_PI / 180);
   int shared = 0;
@@ -257,10 +257,11 @@ int points_shared(const std::set<int>& images, const ModelRefinementOptions& opt
   return shared;
 }
 
-// The loose end at the beginning or the end of the model, or an empty set.
+// Returns the images of the loose end at the beginning (or the end, if `last`) of the model; an empty set if that end
+// holds.
 std::set<int> loose_end(bool last, const std::set<int>& known, const ModelRefinementOptions& options,
                         const SparseModel& model) {
-  std::vector<int> images;  // from the end on
+  std::vector<int> images;  // images in order, from that end on
   for (const auto& [image, pose] : model.cam_from_world) images.push_back(image);
   if (last) std::reverse(images.begin(), images.end());
   const auto is_known = [&](int image) { return known.contains(image); };

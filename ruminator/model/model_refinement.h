@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Completes and refines COLMAP's model: sets the calibrated focal lengths, resects images that the mapper left out, and
-// adjusts everything together.
+// Completes and refines a model with the calibrated camera: removes what is not certain, resects images that the mapper
+// left out, triangulates points, and adjusts cameras and points together.
 #pragma once
 
 #include <limits>
@@ -16,68 +16,71 @@
 namespace rumi::ruminator {
 
 struct ModelRefinementOptions {
-  double max_error_px = 3.0;      // of an observation
-  double min_parallax_deg = 1.5;  // between the outer rays of a point
+  double max_error_px = 3.0;      // largest reprojection error of an observation
+  double min_parallax_deg = 1.5;  // least angle between the outermost rays of a point
   int resection_min_inliers = 15;
 };
 
 struct ModelQuality {
-  double rmse_px = 0;  // of all observations
+  double rmse_px = 0;  // root mean square error of all observations
   int observations = 0;
 };
 
-// Removes the images, their observations, and the points that fewer than two of the other images see.
+// Removes the images and their observations, and then the points that fewer than two images still see.
 void remove_images(const std::set<int>& images, SparseModel* model);
 
-// True if two rays of the point meet at min_parallax_deg or more.
+// True if two rays of the point have an angle of at least min_parallax_deg between them.
 bool has_parallax(const SparseModel& model, const SparseModel::Point& point, double min_parallax_deg);
 
-// Removes observations beyond the error limit, points without parallax and images that lose all their points.
+// Removes observations with errors above the limit, points without parallax, and images that see fewer than
+// resection_min_inliers of the remaining points.
 void prune_model(const Camera& camera, const std::vector<WindowImage>& images, const ModelRefinementOptions& options,
                  SparseModel* model);
 
 ModelQuality model_quality(const Camera& camera, const std::vector<WindowImage>& images, const SparseModel& model);
 
-// Runs bundle adjustment with the calibrated camera and prune_model, twice. The first registered view keeps its pose.
+// Runs bundle adjustment with the calibrated camera, then prune_model(); both twice. The first registered image keeps
+// its pose. Returns the quality of the result.
 ModelQuality adjust_model(const Camera& camera, const std::vector<WindowImage>& images,
                           const ModelRefinementOptions& options, SparseModel* model);
 
-// Triangulates a track whose images all have poses. Each pair of rays gives a point (of a long track only the pairs of
-// its first, middle and last image); the point that most other rays agree with is returned. Nothing without parallax.
+// Triangulates a track whose images all have poses. Each pair of rays gives a candidate (in a long track only the pairs
+// of the first, the middle and the last image). Returns the candidate with which most other rays agree; nullopt if it
+// has no parallax.
 std::optional<SparseModel::Point> triangulate_track(const Camera& camera, const std::vector<WindowImage>& images,
                                                     const Track& track, const ModelRefinementOptions& options,
                                                     const SparseModel& model);
 
-// Replaces the model's points: triangulates every track of two or more images with a pose.
+// Replaces the model's points by triangulating every track that has two or more images with a pose.
 void triangulate_tracks(const Camera& camera, const std::vector<WindowImage>& images, const std::vector<Track>& tracks,
                         const ModelRefinementOptions& options, SparseModel* model);
 
-// Removes images whose position is not determined: those that see fewer than resection_min_inliers points that the
-// other images alone can triangulate (with half of min_parallax_deg). The other points of such an image would follow it
-// to any position along its rays, so they say nothing. Returns the number of removed images.
+// Removes images whose position is not determined: those in which fewer than resection_min_inliers points can be
+// triangulated by the other images alone (with half of min_parallax_deg). The other points of such an image would fit
+// any position along its rays, so they prove nothing. Returns the number of removed images.
 int remove_loose_images(const ModelRefinementOptions& options, SparseModel* model);
 
-// Removes loose ends. The first and the last images of a model (in order of time) are connected on one side only,
-// unless front_tracker has poses of kHoldingImages of them in a row. An end of up to kMostLooseImages images is removed
-// if the others triangulate fewer than kOpenEndFactor * resection_min_inliers points that it sees; then the next end is
-// tested. Where images get dark, a few wrong matches among as many right ones move such an end away step by step, and
-// images that see only points of their own can have any scale. Returns the number of removed images; call adjust_model
-// after it.
+// The first and the last images of a model (in order of time) are held by neighbours on one side only: unless the
+// outermost kHoldingImages of an end are all `known` (front_tracker has their poses), removes its outermost 1 to
+// kMostLooseImages images, as few as suffice, if the remaining images triangulate fewer than kOpenEndFactor *
+// resection_min_inliers of the points that those see; repeats this until both ends hold. In the dark, a few wrong
+// matches among as many right ones move such an end away step by step, and images that see only points of their own can
+// have any scale. Returns the number of removed images; adjust_model() must be called after it.
 constexpr int kOpenEndFactor = 2;
 constexpr int kHoldingImages = 3;
 constexpr int kMostLooseImages = 3;
 int trim_open_ends(const std::set<int>& known, const ModelRefinementOptions& options, SparseModel* model);
 
-// Removes images that are farther from the median of all positions than kMaxStray times the median distance from a
-// point to a camera that sees it. A few images with points of their own can have a scale that is wrong by orders of
-// magnitude, and nothing in the model contradicts them. Returns the number of removed images; call adjust_model after
-// it.
+// Removes images that are farther from the median of all positions than kMaxStray times the median distance between a
+// point and a camera that sees it. A few images with points of their own can have a scale that is wrong by orders of
+// magnitude, and nothing in the model contradicts them. Returns the number of removed images; adjust_model() must be
+// called after it.
 constexpr double kMaxStray = 100;
 int remove_strays(SparseModel* model);
 
-// Gives poses to images without one, by resection: their verified matches with images that have a pose lead to points.
-// Then their matches become observations and new points. Adds at most `limit` images and returns their number; call
-// adjust_model after it.
+// Gives poses to images without one, by resection with the points to which their verified matches lead. Then their
+// matches become observations and new points. Adds at most `limit` images and returns how many; adjust_model() must be
+// called after it.
 int resect_missing_images(const Camera& camera, const std::vector<WindowImage>& images,
                           const std::vector<ImagePair>& pairs, const ModelRefinementOptions& options,
                           SparseModel* model, int limit = std::numeric_limits<int>::max());

@@ -10,19 +10,19 @@ namespace rumi::ruminator {
 
 namespace {
 
-constexpr double kMinParallaxDeg = 0.5;  // of a point, on either side of a cut
-// Points across a cut that tell how the scales of its sides relate, and the standard error of the logarithm that they
-// tell; or fewer, if all of them agree closely: points that are wrong do not.
+constexpr double kMinParallaxDeg = 0.5;  // least parallax of a point on each side of a cut
+// At least kMinPoints points across a cut determine the ratio of the scales if the standard error of its logarithm is
+// at most kMaxLogError. kFewPoints suffice if all of them agree closely, which wrong points do not.
 constexpr int kMinPoints = 5;
 constexpr double kMaxLogError = 0.2;
 constexpr int kFewPoints = 3;
 constexpr double kFewMaxLogSpread = 0.1;
-// So many, and so closely: they say more of the scale than front_tracker's poses.
+// At least this many points with at most this error determine the scale better than front_tracker's poses do.
 constexpr int kCertainPoints = 30;
 constexpr double kCertainLogError = 0.05;
-constexpr int kMinDepthPoints = 20;  // that a side must see by itself, for it to have a scale
+constexpr int kMinDepthPoints = 20;  // least number of points that one side must triangulate by itself to have a scale
 
-// Median and its standard error (from the median absolute deviation) of the logarithms.
+// Computes the median of the logarithms and its standard error (from the median absolute deviation). Destroys `logs`.
 void summarize(std::vector<double>* logs, ScaleCut* cut) {
   cut->points = static_cast<int>(logs->size());
   if (logs->empty()) return;
@@ -32,13 +32,13 @@ void summarize(std::vector<double>* logs, ScaleCut* cut) {
   cut->log_spread = *std::max_element(logs->begin(), logs->end());
 }
 
-// Do the points across the cut tell how the scales of its sides relate?
+// True if the points across the cut determine the ratio of the scales of the two sides.
 bool is_carried(const ScaleCut& cut) {
   return (cut.points >= kMinPoints && cut.log_error <= kMaxLogError) ||
          (cut.points >= kFewPoints && cut.log_spread <= kFewMaxLogSpread);
 }
 
-// Points of which the images of one side of the cut have enough parallax; no more than asked for are counted.
+// Counts the points for which the images on one side of the cut have enough parallax. Stops at kMinDepthPoints.
 int points_with_depth(const SparseModel& model, int last_before, bool before) {
   int count = 0;
   for (const SparseModel::Point& point : model.points) {

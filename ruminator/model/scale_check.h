@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Is the scale of a model the same from its beginning to its end? Where a camera turns more than it moves, the two
-// sides of the turn can have different units. The reprojection errors stay small all the same, because the points that
-// would show it are treated as outliers.
+// Tests whether the scale of a model is the same from its beginning to its end. If a camera rotates more than it moves,
+// the parts before and after that can have different units. The reprojection errors stay small all the same, because
+// the points that would reveal it are treated as outliers.
 #pragma once
 
 #include <optional>
@@ -15,38 +15,39 @@
 
 namespace rumi::ruminator {
 
-constexpr double kMaxScaleChange = 0.25;  // of the scale along a model, relative, that is no slip
+constexpr double kMaxScaleChange = 0.25;  // a smaller relative change of the scale along a model is no slip
 
 struct ScaleCut {
-  int image = 0;   // the last one before the cut
-  int tracks = 0;  // that cross the cut
-  int points = 0;  // tracks among them that either side can triangulate by itself
-  // Both sides see depth, but too few points connect the scale of one side with that of the other.
+  int image = 0;   // last image before the cut
+  int tracks = 0;  // tracks that cross the cut
+  int points = 0;  // tracks among them that each side can triangulate by itself
+  // Whether both sides have depth, but too few points connect their scales.
   bool is_break = false;
-  // Median logarithm of the distance to such a point as the images after the cut see it over that before it, measured
-  // from `image`, and its standard error.
+  // Both sides can triangulate these points. The ratio of a point's distances from the camera of `image`, after the cut
+  // over before it: median logarithm and standard error.
   double log_ratio = 0, log_error = 0;
-  double log_spread = 0;  // how far the farthest is from the median
+  double log_spread = 0;  // largest distance of a logarithm from the median
 };
 
-// A cut after every registered image but the last. `tracks`: all of them, those that the model has no points of too.
+// Returns a cut after each registered image except the last. `tracks`: all tracks, even those without a point in the
+// model.
 std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<WindowImage>& images,
                                   const std::vector<Track>& tracks, const SparseModel& model);
 
-// Do the points across the cut determine the scale well enough without front_tracker's poses?
+// True if the points across the cut determine the scale well enough without front_tracker's poses.
 bool is_certain(const ScaleCut& cut);
 
-// The cut where the scale certainly changes the most, if it does.
+// Returns the cut with the largest certain change of the scale; nullopt if no change exceeds `max_change`.
 std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, double max_change = kMaxScaleChange);
 
-// The break with the fewest points, if there is one; of several the one that the fewest tracks cross.
+// Returns the break with fewest points, and among equal ones that with fewest tracks; nullopt if there is no break.
 std::optional<ScaleCut> find_break(const std::vector<ScaleCut>& cuts);
 
-// Removes the images on that side of the cut that has fewer. Returns how many.
+// Removes the images on the side of the cut that has fewer. Returns their number.
 int keep_larger_side(const ScaleCut& cut, SparseModel* model);
 
-// Scales everything after the cut to the scale before it, about the image of the cut. Triangulate the points anew after
-// it.
+// Scales all camera positions after the cut to the scale before it, with the camera of cut.image as the centre.
+// Afterwards the points must be triangulated again.
 void repair_scale(const ScaleCut& cut, SparseModel* model);
 
 }  // namespace rumi::ruminator

@@ -13,11 +13,11 @@ namespace rumi::ruminator {
 struct SparseModel {
   struct Point {
     Eigen::Vector3d position;
-    std::vector<std::pair<int, int>> track;  // (image index, keypoint index) as given to write_colmap_database
+    std::vector<std::pair<int, int>> track;  // (image index, keypoint index) of write_colmap_database()
   };
-  double fx = 0, fy = 0;              // as refined or as given, pixels
-  std::map<int, SE3> cam_from_world;  // of the registered images, by index (COLMAP's id - 1)
-  std::vector<Point> points;          // in order of COLMAP's ids
+  double fx = 0, fy = 0;              // pixels; of COLMAP's camera, which is not refined
+  std::map<int, SE3> cam_from_world;  // registered images, by index (COLMAP's id - 1)
+  std::vector<Point> points;          // points in order of COLMAP's ids
 };
 
 }  // namespace rumi::ruminator

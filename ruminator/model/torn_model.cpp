@@ -10,8 +10,9 @@
 namespace rumi::ruminator {
 namespace {
 
-constexpr int kMinMatches = 15;  // of two images that the model contradicts, to be torn apart; or agrees with, to hold
-constexpr double kMaxSeveredRatio = 2.5;  // times the part in the whole model, which it may be too: noise severs too
+constexpr int kMinMatches = 15;  // least matches between two images, or parts, for a verdict
+// Parts are torn only if their severed share is above this multiple of the whole model's, which is due to noise.
+constexpr double kMaxSeveredRatio = 2.5;
 
 bool is_contradicted(const PairAgreement& agreement, double max_severed) {
   return agreement.severed > max_severed * (agreement.severed + agreement.shared);
@@ -25,7 +26,7 @@ bool is_sound(const PairAgreement& agreement, double max_severed) {
   return agreement.shared >= kMinMatches && !is_contradicted(agreement, max_severed);
 }
 
-// Of all matches that the model has points of.
+// Returns the severed share of all matches that have points.
 double severed_part(const std::vector<PairAgreement>& agreements) {
   double severed = 0, shared = 0;
   for (const PairAgreement& agreement : agreements) {
@@ -35,7 +36,7 @@ double severed_part(const std::vector<PairAgreement>& agreements) {
   return severed > 0 ? severed / (severed + shared) : 0;
 }
 
-// All that two parts have in common.
+// Sums up the agreements of all pairs between two parts.
 PairAgreement between(int part_a, int part_b, const std::vector<int>& part,
                       const std::vector<PairAgreement>& agreements) {
   PairAgreement all{part_a, part_b};
@@ -47,7 +48,7 @@ PairAgreement between(int part_a, int part_b, const std::vector<int>& part,
   return all;
 }
 
-// Of every image up to the last one of the model: the lowest image of its part.
+// Returns for each image, up to the last image of the model, the lowest image of its part.
 std::vector<int> sound_parts(std::vector<PairAgreement> agreements, double max_severed, const SparseModel& model) {
   std::stable_sort(agreements.begin(), agreements.end(),
                    [](const PairAgreement& a, const PairAgreement& b) { return a.shared > b.shared; });
@@ -69,7 +70,7 @@ std::vector<int> sound_parts(std::vector<PairAgreement> agreements, double max_s
 }  // namespace
 
 std::vector<PairAgreement> pair_agreements(const std::vector<ImagePair>& pairs, const SparseModel& model) {
-  std::map<std::pair<int, int>, int> point_of;  // (image, keypoint)
+  std::map<std::pair<int, int>, int> point_of;  // index of the point, by (image, keypoint)
   for (size_t p = 0; p < model.points.size(); ++p)
     for (const auto& observation : model.points[p].track) point_of[observation] = static_cast<int>(p);
   const auto point = [&point_of](int image, int keypoint) {

@@ -6,7 +6,8 @@
 namespace rumi::ruminator {
 namespace {
 
-// Also when the clock was set back by far.
+// True if `until_us` has passed, or is more than an hour away: then the clock was set back, and the window would wait
+// too long.
 bool has_come(int64_t until_us, int64_t now_us) {
   constexpr int64_t kClockWentBackUs = 3'600'000'000;
   return now_us >= until_us || until_us - now_us > kClockWentBackUs;

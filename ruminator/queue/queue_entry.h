@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A window in the queue: where it lies, and how far it is.
+// A window in the queue: where its data are, and its state.
 //
-//   state               what happens                        next state
-//   Waiting             its turn has come                   Building
-//   Building            a back submap                       Built
-//                       no back submap, to be tried again   Waiting
-//                       called off, or while ending         LeftForNextStart (in the spool), else failed: gone
-//                       no back submap                      failed: gone
-//   Built               nothing else is being sent          Sent
-//   Sent                map_server has it                   gone
-//                       map_server refuses it               Built, or LeftForNextStart while ending
+//   state      what happens                               next state
+//   Waiting    its turn comes                             Building
+//              another process works on it                removed
+//   Building   a back submap is built                     Built
+//              the machine fails                          Waiting, until it is tried again
+//              it is cancelled, or the machine fails and  LeftForNextStart if it is in the spool, else removed
+//              nothing is tried again (finish(), stop())
+//              the window cannot be rebuilt               removed
+//   Built      nothing else is being sent                 Sent
+//   Sent       map_server has stored it                   removed
+//              map_server refuses it                      Built, or LeftForNextStart after finish()
 #pragma once
 
 #include <cstdint>
@@ -27,22 +29,22 @@
 namespace rumi::ruminator {
 
 struct InSpool {
-  std::optional<Spool::Claim> claim;  // while this process works on it
+  std::optional<Spool::Claim> claim;  // set while this process works on the window
 };
 struct InMemory {
-  std::shared_ptr<const WindowJob> job;  // until it is rebuilt
-  std::string work_folder;               // while it is rebuilt
+  std::shared_ptr<const WindowJob> job;  // null once it is rebuilt
+  std::string work_folder;               // folder of the latest try
 };
 
 struct Waiting {
-  int64_t until_us = 0;  // not before, on the bus's clock
+  int64_t until_us = 0;  // earliest time to rebuild the window, on the bus's clock
 };
 struct Building {
   BuildProgress progress = {};
 };
 struct Built {
-  std::vector<uint8_t> submap = {};  // empty: it is in the spool
-  int64_t until_us = 0;              // not sent before
+  std::vector<uint8_t> submap = {};  // encoded message; empty if it is in the spool
+  int64_t until_us = 0;              // earliest time to send it, on the bus's clock
 };
 struct Sent {
   Built built;
@@ -59,11 +61,11 @@ struct QueueEntry {
   std::variant<InSpool, InMemory> place;
   std::variant<Waiting, Building, Built, Sent, LeftForNextStart> state;
   int tries = 0;
-  double build_s = 0;  // that they took
-  std::string result;  // what rebuilding gave, for the log
-  std::string note;    // announced as the reason
+  double build_s = 0;  // wall time of all tries
+  std::string result;  // summary of the back submap, for the log
+  std::string note;    // reason, as announced with the state
   int64_t announced_us = 0;
-  std::optional<int64_t> resumed_us;  // when tracking resumed, on the bus's clock; images may end, this goes on
+  std::optional<int64_t> resumed_us;  // when tracking resumed, on the bus's clock, which also runs without images
 
   template <class State>
   bool is() const {
@@ -77,14 +79,15 @@ struct QueueEntry {
   const State* as() const {
     return std::get_if<State>(&state);
   }
-  // Null: it is in the spool, or in memory.
+  // Returns null if the window is in the spool.
   InMemory* memory() { return std::get_if<InMemory>(&place); }
   const InMemory* memory() const { return std::get_if<InMemory>(&place); }
+  // Returns null if the window is in memory.
   InSpool* spooled() { return std::get_if<InSpool>(&place); }
-  bool is_claimed() const;            // in the spool, and this process works on it
-  bool is_due(int64_t now_us) const;  // Waiting or Built, and its time has come
-  int64_t image_bytes() const;        // in memory
-  bool holds_submap() const;          // in memory
+  bool is_claimed() const;            // the window is in the spool, and this process works on it
+  bool is_due(int64_t now_us) const;  // the window is Waiting or Built, and its time has come
+  int64_t image_bytes() const;        // size of the job's images if it is in memory; otherwise 0
+  bool holds_submap() const;          // an encoded back submap is in memory
   int8_t window_state() const;        // window_t::QUEUED, ...
 };
 

@@ -18,9 +18,9 @@
 namespace rumi::ruminator {
 namespace {
 
-constexpr int64_t kAdoptPeriodUs = 10'000'000;  // looks for jobs whose ruminator has died
-constexpr int64_t kStopDeliveryUs = 2'000'000;  // after stop(), time for a submap that is being sent
-constexpr double kMaxFrontRotationDeg = 5;      // median difference to a front submap that is warned of
+constexpr int64_t kTellPeriodUs = 5'000'000;
+constexpr int64_t kStopDeliveryUs = 2'000'000;  // how long after stop() a submap that is being sent is waited for
+constexpr double kMaxFrontRotationDeg = 5;      // a larger median difference to a front submap causes a warning
 
 const char* word_of(int8_t state) {
   constexpr const char* kWords[] = {"collecting", "queued", "extracting", "matching", "mapping", "published", "failed"};
@@ -39,7 +39,7 @@ std::string describe_result(const RuminationWindow& window, const BuildResult& r
                      r.cpu_s, r.error_px);
 }
 
-// The work folder of a job in memory.
+// Returns the work folder for a job in memory. `also`: a folder to use if no temporary one can be used.
 std::string temporary_work_folder(JobName name, const std::string& also) {
   return (std::filesystem::path(scratch_folder(also)) /
           fmt::format("rumi-{}-{}", unique_process_name("ruminator"), to_string(name)))
@@ -52,152 +52,115 @@ RebuildQueue::RebuildQueue(Bus& bus, const RebuildQueueOptions& options, Builder
     : bus_(bus),
       options_(options),
       built_handler_(std::move(on_built)),
-      sender_(bus, channels::kSubmap, channels::kSubmapAck, unique_process_name("ruminator")),
-      worker_(std::move(builder), options.build_thread, options.build.nice,
-              [this](const BuildProgress& progress) { on_progress(progress); }) {
-  if (options.spool.empty() || !options.rebuild) return;
-  spool_ = Spool::open(options.spool, options.failed_mb * kBytesPerMb, &spool_problem_);
-  if (spool_)
-    adopt();
-  else
-    log_error("{}; windows are kept in memory", spool_problem_);
+      windows_(bus, options.rebuild ? options.spool : "", options.failed_mb * kBytesPerMb),
+      intake_(bus, windows_, options_),
+      delivery_(bus, windows_, options.retry_s),
+      worker_(std::move(builder), options.build_thread, options.build.nice, [this] { take_progress(); }) {}
+
+void RebuildQueue::add(WindowJob job) {
+  if (intake_.add(std::move(job)) && !options_.build_thread) tick(bus_.now_us());
 }
 
-RebuildQueue::Entries::iterator RebuildQueue::find(JobName name) {
-  return std::find_if(entries_.begin(), entries_.end(), [&](const QueueEntry& e) { return e.name == name; });
+void RebuildQueue::refuse(const RuminationWindow& window, const std::string& reason) {
+  intake_.refuse(window, reason);
+  BuildResult nothing;
+  nothing.submap = Error{reason};
+  if (built_handler_) built_handler_(window, nothing);
 }
 
-RebuildQueue::Entries::iterator RebuildQueue::building() {
-  return std::find_if(entries_.begin(), entries_.end(), [](const QueueEntry& e) { return e.is<Building>(); });
-}
-
-bool RebuildQueue::knows(JobName name) const {
-  return std::any_of(entries_.begin(), entries_.end(), [&](const QueueEntry& e) { return e.name == name; });
+void RebuildQueue::tick(int64_t now_us) {
+  delivery_.tick(now_us);
+  if (!stopping_) intake_.tick(now_us);
+  take_progress();
+  take_report(now_us);
+  start_next(now_us);
+  if (!stopping_) delivery_.send_next(now_us);
+  windows_.announcer().repeat(windows_.entries(), now_us);
+  tell_what_is_left(now_us);
 }
 
 // ---- building
 
-void RebuildQueue::tick(int64_t now_us) {
-  sender_.tick(now_us);
-  if (spool_ && !stopping_ && is_due(now_us, last_adopted_us_, kAdoptPeriodUs)) adopt();
-  take_progress();
-  take_report(now_us);
-  start_next(now_us);
-  deliver(now_us);
-  announce_all(now_us);
-}
-
-// False if another process works on the window, or has rebuilt it.
-bool RebuildQueue::claim(QueueEntry& entry) {
-  InSpool* const spooled = entry.spooled();
-  if (!spooled || spooled->claim) return true;
-  spooled->claim = spool_->claim(entry.name);
-  if (spooled->claim && !spool_->is_waiting(entry.name)) spooled->claim.reset();
-  return spooled->claim.has_value();
-}
-
 void RebuildQueue::start_next(int64_t now_us) {
-  auto entry = entries_.begin();
-  while (entry != entries_.end() && !worker_.busy() && !stopping_) {
+  QueuedWindows::Entries& entries = windows_.entries();
+  auto entry = entries.begin();
+  while (entry != entries.end() && !worker_.busy() && !stopping_) {
     const auto next = std::next(entry);
     if (entry->is<Waiting>() && entry->is_due(now_us)) {
-      if (claim(*entry)) {
+      if (windows_.claim(*entry)) {
         start(entry);
-        take_report(now_us);  // at once where there is no thread
+        take_report(now_us);  // the report is there at once if the worker has no thread
       } else {
-        entries_.erase(entry);  // if the process that has it dies, adopt() finds it again
+        entries.erase(entry);  // if the process that has claimed it dies, Intake finds it again
       }
     }
     entry = next;
   }
 }
 
-// Returns what is wrong, or an empty string.
-std::string RebuildQueue::make_task(QueueEntry& entry, BuildTask* task) {
+Result<BuildTask> RebuildQueue::make_task(QueueEntry& entry) {
   InMemory* const memory = entry.memory();
   if (!memory) {
-    entry.tries = spool_->begin_try(entry.name);
-    task->file = spool_->window_file(entry.name);
-    task->work_folder = spool_->work_folder(entry.name);
-    return {};
+    Spool& spool = *windows_.spool();
+    entry.tries = spool.begin_try(entry.name);
+    return BuildTask{nullptr, spool.window_file(entry.name), spool.work_folder(entry.name)};
   }
   ++entry.tries;
-  task->job = memory->job;
-  return thrown_by([&] {
-    memory->work_folder = temporary_work_folder(entry.name, options_.scratch);
-    task->work_folder = memory->work_folder;
-  });
+  const std::string thrown =
+      thrown_by([&] { memory->work_folder = temporary_work_folder(entry.name, options_.scratch); });
+  if (!thrown.empty()) return Error{thrown};
+  return BuildTask{memory->job, "", memory->work_folder};
 }
 
-void RebuildQueue::start(Entries::iterator entry) {
-  BuildTask task;
-  const std::string problem = make_task(*entry, &task);
-  if (!problem.empty()) return fail(entry, problem);
-  // A job that ends the process must not do so for ever.
+void RebuildQueue::start(Entry entry) {
+  Result<BuildTask> task = make_task(*entry);
+  if (!task) return windows_.fail(entry, task.error_text());
+  // A job that makes the process crash must not do so again and again.
   if (entry->tries > options_.build_tries)
-    return fail(entry, fmt::format("rebuilding was begun {} times and never ended", entry->tries - 1));
-  {
-    const std::scoped_lock lock(progress_mutex_);
-    progress_.reset();
-  }
+    return windows_.fail(entry, fmt::format("rebuilding was begun {} times and never ended", entry->tries - 1));
   entry->state = Building();
-  announce(*entry);
-  worker_.start(std::move(task));
-}
-
-void RebuildQueue::on_progress(const BuildProgress& progress) {
-  {
-    const std::scoped_lock lock(progress_mutex_);
-    progress_ = progress;
-    // The estimate depends on the load of the machine; without a thread, runs must be repeatable.
-    if (!options_.build_thread) progress_->remaining_s = -1;
-  }
-  if (!options_.build_thread) take_progress();
+  windows_.announcer().announce(*entry);
+  worker_.start(std::move(*task));
 }
 
 void RebuildQueue::take_progress() {
-  std::optional<BuildProgress> progress;
-  {
-    const std::scoped_lock lock(progress_mutex_);
-    progress = std::exchange(progress_, std::nullopt);
-  }
-  const auto entry = building();
-  if (!progress || entry == entries_.end()) return;
+  const std::optional<BuildProgress> progress = worker_.take_progress();
+  const auto entry = windows_.building();
+  if (!progress || entry == windows_.entries().end()) return;
   BuildProgress& last = entry->as<Building>()->progress;
   const bool is_new_stage = progress->stage != last.stage;
   last = *progress;
-  if (is_new_stage) announce(*entry);
+  if (is_new_stage) windows_.announcer().announce(*entry);
 }
 
 void RebuildQueue::take_report(int64_t now_us) {
   const auto report = worker_.take_report();
-  const auto entry = building();
-  if (!report || entry == entries_.end()) return;
+  const auto entry = windows_.building();
+  if (!report || entry == windows_.entries().end()) return;
   entry->state = Waiting();
   on_built(entry, *report, now_us);
 }
 
-void RebuildQueue::on_built(Entries::iterator entry, const BuildReport& report, int64_t now_us) {
+void RebuildQueue::on_built(Entry entry, const BuildReport& report, int64_t now_us) {
   const BuildResult& r = report.result;
   std::error_code ignored;
   if (const InMemory* memory = entry->memory()) std::filesystem::remove_all(memory->work_folder, ignored);
   if (r.cancelled && !r.submap) {
-    if (entry->spooled()) spool_->forget_try(entry->name);
+    if (entry->spooled()) windows_.spool()->forget_try(entry->name);
     return give_up(entry, "called off");
   }
   entry->build_s += r.wall_s;
   if (built_handler_) built_handler_(entry->window, r);
-  if (!report.unreadable.empty()) return fail(entry, report.unreadable);
   const std::string broken =
       report.broken_images > 0 ? fmt::format(" ({} broken images left out)", report.broken_images) : "";
-  if (report.submap.empty()) {
-    const std::string reason = (r.failure.empty() ? "rebuilding gave nothing, and no reason" : r.failure) + broken;
-    return r.retryable ? try_again_or_fail(entry, reason, now_us) : fail(entry, reason);
+  if (!r.submap) {
+    const std::string reason = r.submap.error_text() + broken;
+    return r.retryable ? try_again_or_fail(entry, reason, now_us) : windows_.fail(entry, reason);
   }
   entry->result = describe_result(entry->window, r) + broken;
   tell(*entry, r);
   ++built_;
-  store(*entry, report.submap);
+  delivery_.store(*entry, report.submap);
 }
 
 void RebuildQueue::tell(const QueueEntry& entry, const BuildResult& r) {
@@ -206,59 +169,35 @@ void RebuildQueue::tell(const QueueEntry& entry, const BuildResult& r) {
             r.origin.empty() ? "" : ", ", r.origin);
   if (!r.warning.empty()) log_warning("window {}: {}", id, r.warning);
   for (const FrontAgreement& a : r.agreement) {
-    // The back submap has passed its own tests, so the front submap is likely to be wrong.
+    // The back submap has passed all tests, so the front submap is probably wrong.
     if (a.rotation_deg > kMaxFrontRotationDeg)
       log_warning("window {}: front submap {} turns otherwise, by {:.1f} degrees in {} frames", id, a.submap_id,
                   a.rotation_deg, a.frames);
   }
 }
 
-void RebuildQueue::store(QueueEntry& entry, std::vector<uint8_t> submap) {
-  if (entry.is_claimed()) {
-    spool_problem_ = spool_->store_submap(entry.name, submap);
-    if (spool_problem_.empty())
-      submap.clear();
-    else
-      log_error("{}; the back submap is kept in memory", spool_problem_);
-  }
-  if (InMemory* memory = entry.memory()) memory->job.reset();
-  entry.state = Built{.submap = std::move(submap)};
-}
-
-void RebuildQueue::try_again_or_fail(Entries::iterator entry, const std::string& reason, int64_t now_us) {
+void RebuildQueue::try_again_or_fail(Entry entry, const std::string& reason, int64_t now_us) {
   if (finishing_ || stopping_ || !options_.build_thread) return give_up(entry, reason);
-  if (entry->tries >= options_.build_tries) return fail(entry, reason);
+  if (entry->tries >= options_.build_tries) return windows_.fail(entry, reason);
   log_warning("window {}: {}; another try in {:.0f} s", entry->window.id, reason, options_.retry_s);
-  entry->state = Waiting{now_us + retry_us()};
+  entry->state = Waiting{now_us + static_cast<int64_t>(options_.retry_s * 1e6)};
   if (InSpool* spooled = entry->spooled()) spooled->claim.reset();
-  announce(*entry, reason);
+  windows_.announcer().announce(*entry, reason);
 }
 
-void RebuildQueue::fail(Entries::iterator entry, const std::string& reason) {
-  std::string kept;
-  if (entry->is_claimed()) kept = spool_->fail(entry->name, reason);
-  log_warning("window {}: {}: failed{}: {}{}{}", entry->window.id, describe(entry->window),
-              entry->build_s > 0 ? fmt::format(" after {:.1f} s", entry->build_s) : "", reason,
-              kept.empty() ? "" : "; kept as ", kept);
-  publish(*entry, window_t::FAILED, reason);
-  ++failed_;
-  entries_.erase(entry);
-}
-
-// Does not rebuild the window now. If it is in the spool, the next start does.
-void RebuildQueue::give_up(Entries::iterator entry, const std::string& reason) {
+// Leaves the window to the next start if it is in the spool; otherwise announces that it failed, and removes it.
+void RebuildQueue::give_up(Entry entry, const std::string& reason) {
   InSpool* const spooled = entry->spooled();
   log_info("window {}: not rebuilt, {}{}", entry->window.id, reason,
            spooled ? "; it stays in the spool for the next start" : "");
   if (!spooled) {
-    publish(*entry, window_t::FAILED, reason);
-    ++failed_;
-    entries_.erase(entry);
+    windows_.announce_failure(*entry, reason);
+    windows_.entries().erase(entry);
     return;
   }
   spooled->claim.reset();
   entry->state = LeftForNextStart();
-  announce(*entry, reason + "; will be tried again at the next start");
+  windows_.announcer().announce(*entry, reason + "; will be tried again at the next start");
 }
 
 // ---- the end
@@ -266,18 +205,15 @@ void RebuildQueue::give_up(Entries::iterator entry, const std::string& reason) {
 void RebuildQueue::finish() {
   finishing_ = true;
   last_told_us_ = bus_.now_us();
-  for (QueueEntry& entry : entries_) {
+  for (QueueEntry& entry : windows_.entries())
     if (entry.is<Waiting>()) entry.state = Waiting();
-    Built* const built = entry.as<Built>();
-    if (!built) continue;
-    built->until_us = 0;
-    if (!delivery_problem_.empty()) leave_built(entry);  // it was sent without success before
-  }
+  delivery_.finish();
 }
 
 void RebuildQueue::stop() {
-  const auto lost = std::count_if(entries_.begin(), entries_.end(),
-                                  [](const QueueEntry& e) { return e.memory() && e.memory()->job; });
+  const QueuedWindows::Entries& entries = windows_.entries();
+  const auto lost =
+      std::count_if(entries.begin(), entries.end(), [](const QueueEntry& e) { return e.memory() && e.memory()->job; });
   if (lost > 0) log_warning("{} windows that are in no spool are lost", lost);
   stopping_ = true;
   stopped_us_ = bus_.now_us();
@@ -287,8 +223,8 @@ void RebuildQueue::stop() {
 std::string RebuildQueue::waits_for() const {
   if (worker_.busy()) return "a window is being rebuilt";
   if (stopping_ && bus_.now_us() - stopped_us_ >= kStopDeliveryUs) return {};
-  for (const QueueEntry& e : entries_) {
-    // A window that waits and cannot be claimed belongs to another ruminator.
+  for (const QueueEntry& e : windows_.entries()) {
+    // Passes over the windows that this process will not finish.
     if (stopping_ ? !e.is<Sent>() : e.is<LeftForNextStart>()) continue;
     if (e.is<Waiting>()) return fmt::format("window {} is not rebuilt", e.window.id);
     return fmt::format("map_server has not taken the back submap of window {}", e.window.id);
@@ -299,19 +235,25 @@ std::string RebuildQueue::waits_for() const {
 std::string RebuildQueue::detail() const {
   int queued = 0, built = 0;
   std::string text;
-  for (const QueueEntry& e : entries_) {
+  for (const QueueEntry& e : windows_.entries()) {
     const auto* const left = e.as<LeftForNextStart>();
     queued += e.is<Waiting>() || (left && !left->is_built);
     built += e.is<Built>() || e.is<Sent>() || (left && left->is_built);
     if (const auto* b = e.as<Building>()) text += fmt::format("window {} {}; ", e.window.id, describe(b->progress));
   }
-  text += fmt::format("{} queued, {} built, {} published, {} failed", queued, built_, published_, failed_);
+  text += fmt::format("{} queued, {} built, {} published, {} failed", queued, built_, delivery_.published(),
+                      windows_.failed());
   if (built > 0) text += fmt::format(", {} back submaps wait for map_server", built);
-  if (!delivery_problem_.empty()) text += fmt::format(" ({})", delivery_problem_);
-  if (!spool_problem_.empty()) text += "; " + spool_problem_;
+  if (!delivery_.problem().empty()) text += fmt::format(" ({})", delivery_.problem());
+  if (!windows_.spool_problem().empty()) text += "; " + windows_.spool_problem();
   return text;
 }
 
-bool RebuildQueue::degraded() const { return !spool_problem_.empty() || !delivery_problem_.empty(); }
+// Logs now and then what is left to do after finish().
+void RebuildQueue::tell_what_is_left(int64_t now_us) {
+  if (!finishing_ || finished() || !is_due(now_us, last_told_us_, kTellPeriodUs)) return;
+  last_told_us_ = now_us;
+  log_info("{}", detail());
+}
 
 }  // namespace rumi::ruminator

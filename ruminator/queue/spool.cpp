@@ -33,9 +33,9 @@ constexpr const char* kTries = ".tries";
 constexpr const char* kWork = ".work";
 constexpr const char* kSubmap = ".submap";
 constexpr const char* kFailedFolder = "failed";
-constexpr size_t kMaxFailed = 100;              // windows that could not be rebuilt: who would look at more?
-constexpr size_t kMaxIds = 1000;                // empty files that only remember names
-constexpr std::chrono::hours kAbandonedAge{1};  // of temporary files: their writers have died
+constexpr size_t kMaxFailed = 100;              // most failed windows that are kept: nobody would look at more
+constexpr size_t kMaxIds = 1000;                // most empty files that only record used names
+constexpr std::chrono::hours kAbandonedAge{1};  // if a temporary file is this old, its writer must have died
 
 std::optional<JobName> parse(const std::string& stem) {
   JobName name;
@@ -47,7 +47,7 @@ std::optional<JobName> parse(const std::string& stem) {
   return ours ? std::optional(name) : std::nullopt;
 }
 
-// Entries of a folder; what cannot be read is as if it were not there.
+// Returns the paths in a folder, sorted. If the folder cannot be read, returns what was read until then.
 std::vector<fs::path> entries(const fs::path& folder) {
   std::vector<fs::path> paths;
   std::error_code error;
@@ -67,7 +67,7 @@ bool exists(const std::string& file) {
   return fs::exists(file, ignored);
 }
 
-// Appends the logs that rebuilding left in its work folder.
+// Appends the logs in the work folder of a build to one file.
 void gather_logs(const fs::path& work, const std::string& log_file) {
   std::vector<fs::path> logs;
   for (const fs::path& path : entries(work))
@@ -89,26 +89,20 @@ Spool::Spool(std::string folder, int64_t max_failed_bytes)
 
 namespace {
 
-std::string unusable(const std::string& folder, const std::string& reason) {
-  return fmt::format("{}: windows cannot be kept in it ({}{}); name another folder with --set ruminator.spool=FOLDER",
-                     folder, reason, note_on_owner(folder));
+Error unusable(const std::string& folder, const std::string& reason) {
+  return {fmt::format("windows cannot be kept in it ({}{})", reason, note_on_owner(folder)), folder,
+          "name another folder with --set ruminator.spool=FOLDER"};
 }
 
 }  // namespace
 
-std::unique_ptr<Spool> Spool::open(const std::string& folder, int64_t max_failed_bytes, std::string* error) {
+Result<std::unique_ptr<Spool>> Spool::open(const std::string& folder, int64_t max_failed_bytes) {
   std::error_code code;
   fs::create_directories(fs::path(folder) / kFailedFolder, code);
-  if (code) {
-    *error = unusable(folder, code.message());
-    return nullptr;
-  }
+  if (code) return unusable(folder, code.message());
   const std::string probe = temporary_name((fs::path(folder) / "probe").string());
   const int fd = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (fd < 0) {
-    *error = unusable(folder, std::strerror(errno));
-    return nullptr;
-  }
+  if (fd < 0) return unusable(folder, std::strerror(errno));
   close(fd);
   unlink(probe.c_str());
   std::unique_ptr<Spool> spool(new Spool(folder, max_failed_bytes));
@@ -129,7 +123,7 @@ std::vector<JobName> Spool::list(const char* suffix) const {
   return names;
 }
 
-// What the dead have left and nobody will ask for.
+// Removes files of dead processes that nobody will need.
 void Spool::clean_up() {
   for (const fs::path& path : entries(folder_)) {
     std::error_code error;
@@ -150,19 +144,16 @@ void Spool::forget_old_ids() {
   for (size_t i = 0; i + kMaxIds < ids.size(); ++i) unlink(file(ids[i], kId).c_str());
 }
 
-Spool::Added Spool::add(const WindowJob& job, std::string* error) {
+Result<Spool::Added> Spool::add(const WindowJob& job) {
   const StageClock clock("ruminator.store");
   const JobName name = name_of(job.window);
   const std::string id = file(name, kId);
   const int fd = ::open(id.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (fd < 0 && errno == EEXIST) return Added::kKnown;
-  if (fd < 0) {
-    *error = fmt::format("{}: cannot be written ({})", id, std::strerror(errno));
-    return Added::kFailed;
-  }
+  if (fd < 0) return Error{fmt::format("cannot be written ({})", std::strerror(errno)), id};
   close(fd);
-  *error = write_window_job(window_file(name), job);
-  return error->empty() ? Added::kAdded : Added::kFailed;
+  if (const Result<> written = write_window_job(window_file(name), job); !written) return written.error();
+  return Added::kAdded;
 }
 
 int32_t Spool::last_id(int64_t session) const {
@@ -184,10 +175,10 @@ bool Spool::is_built(JobName name) const { return exists(file(name, kSubmap)); }
 bool Spool::is_waiting(JobName name) const { return exists(window_file(name)) && !is_built(name); }
 
 std::optional<Spool::Claim> Spool::claim(JobName name) {
-  // Made where it is missing: somebody put a job here by hand.
+  // The id file is missing if a user put a job here by hand; take() then creates it.
   std::optional<Claim> claim = Claim::take(file(name, kId));
   if (!claim) return std::nullopt;
-  // Its last owner may have died between making the submap and removing the job.
+  // The previous owner may have died after it stored the submap, but before it removed the job.
   if (is_built(name)) remove_quietly(window_file(name));
   return claim;
 }
@@ -210,52 +201,55 @@ void Spool::forget_try(JobName name) {
   remove_quietly(work_folder(name));
 }
 
-std::string Spool::store_submap(JobName name, std::span<const uint8_t> submap) {
+Result<> Spool::store_submap(JobName name, std::span<const uint8_t> submap) {
   const StageClock clock("ruminator.store");
   WholeFile stored(file(name, kSubmap));
   stored.write({reinterpret_cast<const char*>(submap.data()), submap.size()});
-  if (std::string error = stored.commit(); !error.empty()) return error;
+  if (Result<> written = stored.commit(); !written) return written;
   for (const char* suffix : {kWindow, kTries, kWork}) remove_quietly(file(name, suffix));
-  return "";
+  return {};
 }
 
-std::string Spool::read_submap(JobName name, std::vector<uint8_t>* submap) const {
+Result<std::vector<uint8_t>> Spool::read_submap(JobName name) const {
   const std::string path = file(name, kSubmap);
   std::error_code code;
   const auto bytes = fs::file_size(path, code);
-  if (!code && bytes > kMaxMessageBytes)
-    return fmt::format("{}: has {} bytes, a back submap has at most {}", path, bytes, kMaxMessageBytes);
-  submap->resize(code ? 0 : bytes);
+  if (code) return Error{fmt::format("cannot be read ({})", code.message()), path};
+  if (bytes > kMaxMessageBytes)
+    return Error{fmt::format("has {} bytes, a back submap has at most {}", bytes, kMaxMessageBytes), path};
+  std::vector<uint8_t> submap(bytes);
   std::ifstream in(path, std::ios::binary);
-  if (!code && in.read(reinterpret_cast<char*>(submap->data()), static_cast<std::streamsize>(bytes))) return "";
-  return fmt::format("{}: cannot be read ({})", path, code ? code.message() : std::strerror(errno));
+  if (!in.read(reinterpret_cast<char*>(submap.data()), static_cast<std::streamsize>(bytes)))
+    return Error{fmt::format("cannot be read ({})", std::strerror(errno)), path};
+  return submap;
 }
 
-std::string Spool::complete(JobName name) {
+Result<> Spool::complete(JobName name) {
   for (const char* suffix : {kWindow, kTries, kWork}) remove_quietly(file(name, suffix));
-  if (unlink(file(name, kSubmap).c_str()) == 0 || errno == ENOENT) return "";
-  return fmt::format("{}: cannot be removed ({})", file(name, kSubmap), std::strerror(errno));
+  const std::string submap = file(name, kSubmap);
+  if (unlink(submap.c_str()) == 0 || errno == ENOENT) return {};
+  return Error{fmt::format("cannot be removed ({})", std::strerror(errno)), submap};
 }
 
-std::string Spool::fail(JobName name, const std::string& reason) {
+std::optional<std::string> Spool::fail(JobName name, const std::string& reason) {
   const fs::path failed = fs::path(folder_) / kFailedFolder / to_string(name);
   std::ofstream(failed.string() + ".txt") << reason << "\n";
   gather_logs(work_folder(name), failed.string() + ".log");
-  std::string kept;
+  std::optional<std::string> kept;
   for (const char* suffix : {kWindow, kSubmap}) {
     const std::string target = failed.string() + suffix;
     if (std::rename(file(name, suffix).c_str(), target.c_str()) == 0) kept = target;
   }
-  if (kept.empty() && is_waiting(name))
+  if (!kept && is_waiting(name))
     log_error("{}: cannot be moved to {} ({})", window_file(name), failed.string(), std::strerror(errno));
   for (const char* suffix : {kTries, kWork}) remove_quietly(file(name, suffix));
   prune_failed();
-  return exists(kept) ? kept : "";
+  return kept && exists(*kept) ? kept : std::nullopt;
 }
 
 void Spool::prune_failed() {
   struct Failure {
-    fs::file_time_type time = fs::file_time_type::min();  // of its newest file
+    fs::file_time_type time = fs::file_time_type::min();  // modification time of its newest file
     int64_t bytes = 0;
     std::vector<fs::path> files;
   };
@@ -272,7 +266,7 @@ void Spool::prune_failed() {
     failure.files.push_back(path);
     total += bytes;
   }
-  // The latest stays, even if it alone is too large: it may be nobody's window, and is not ours to destroy.
+  // The latest failure is kept even if it is too large by itself: its file may have been put here by a user.
   const size_t left = max_failed_bytes_ > 0 ? 1 : 0;
   while (failures.size() > left && (total > max_failed_bytes_ || failures.size() > kMaxFailed)) {
     const auto oldest = std::min_element(failures.begin(), failures.end(),

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The folder in which windows wait to be rebuilt, and back submaps wait until map_server has stored them. It outlives
-// the process.
+// the process. The files of window W of session S:
 //
-//   S-W.id        window W of session S has been here. The file is empty. The process that holds a lock (flock) on it
-//                 works on the window; when that process dies, the lock is gone.
-//   S-W.window    the job: waits, or is being rebuilt
-//   S-W.tries     a byte for each time that rebuilding has begun
-//   S-W.work/     while it is rebuilt
-//   S-W.submap    rebuilt: a submap_update_t that map_server has not acknowledged. The job is over from here on.
-//   failed/       jobs that could not be rebuilt (the last 100), each with a .txt that says why and COLMAP's log
+//   S-W.id        empty; records that the window was added. The process that holds a lock (flock) on this file works
+//                 on the window. The lock ends with that process.
+//   S-W.window    the job, which waits or is being rebuilt
+//   S-W.tries     one byte for each time that rebuilding has begun
+//   S-W.work/     COLMAP's files while the window is being rebuilt
+//   S-W.submap    the back submap, a submap_update_t that map_server has not acknowledged. The job is no longer needed.
+//   failed/       the last 100 jobs that could not be rebuilt, each with the reason (.txt) and COLMAP's log
 //
-// Every step is one rename or removal. So whenever a process dies, the files say what remains to be done. Several
-// ruminators may share a spool.
+// Each step takes effect by a single change of a file name. So whenever a process dies, the files tell what remains to
+// be done. Several ruminators may share a spool.
 #pragma once
 
 #include <compare>
@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "base/files/file_lock.h"
+#include "base/result.h"
 #include "ruminator/window/window_job.h"
 
 namespace rumi::ruminator {
@@ -37,36 +38,39 @@ std::string to_string(JobName name);  // "S-W"
 
 class Spool {
  public:
-  // Nothing, and why in *error, if the folder cannot be made or written to.
-  static std::unique_ptr<Spool> open(const std::string& folder, int64_t max_failed_bytes, std::string* error);
+  // Returns an Error if the folder cannot be created or written to.
+  static Result<std::unique_ptr<Spool>> open(const std::string& folder, int64_t max_failed_bytes);
 
-  // The exclusive right to work on a job; given back when it goes out of scope.
+  // The exclusive right to work on a job, returned when the object is destroyed.
   using Claim = FileLock;
 
-  enum class Added { kAdded, kKnown, kFailed };  // kKnown: a window of this name has been here before
-  Added add(const WindowJob& job, std::string* error);
-  // The highest id of this session's windows; 0 if there is none.
+  enum class Added { kAdded, kKnown };  // kKnown: a window of this name has been here before
+  Result<Added> add(const WindowJob& job);
+  // Returns the highest id of this session's windows, or 0 if it has none.
   int32_t last_id(int64_t session) const;
 
-  std::vector<JobName> waiting() const;  // to be rebuilt, or being rebuilt, in order
-  std::vector<JobName> built() const;    // to be sent to map_server
-  // Nothing if another process works on the job, or if it is no longer here.
+  std::vector<JobName> waiting() const;  // names of jobs that wait or are being rebuilt, in order
+  std::vector<JobName> built() const;    // names of back submaps that map_server has not acknowledged
+  // Returns nullopt if another process works on the job.
   std::optional<Claim> claim(JobName name);
 
-  // The functions below are for the holder of the claim.
+  // Only the holder of the claim may call the functions below.
   bool is_waiting(JobName name) const;
   bool is_built(JobName name) const;
-  // Counts on disk how many times rebuilding has begun, this time included, and returns the count: a job that ends the
-  // whole process must not be tried for ever. Removes the work folder of an earlier try.
+  // Counts on disk, and returns, how many times rebuilding this job has begun, this time included, so that a job that
+  // makes the process crash is not tried for ever. Removes the work folder of an earlier try. Returns 1 if the disk
+  // cannot be written to.
   int begin_try(JobName name);
-  void forget_try(JobName name);  // the try was cancelled and does not count
-  // Each returns what went wrong, or an empty string.
-  std::string store_submap(JobName name, std::span<const uint8_t> submap);  // ends the job
-  std::string read_submap(JobName name, std::vector<uint8_t>* submap) const;
-  std::string complete(JobName name);  // map_server has it: nothing remains but the id
-  // Moves the job to failed/, then removes the oldest jobs there until the rest fit, and 100 at most. This one stays,
-  // even alone, unless nothing is to be kept. Returns its new path, or an empty string.
-  std::string fail(JobName name, const std::string& reason);
+  void forget_try(JobName name);  // takes back a try that was cancelled
+  // Stores the back submap and removes the job.
+  Result<> store_submap(JobName name, std::span<const uint8_t> submap);
+  Result<std::vector<uint8_t>> read_submap(JobName name) const;
+  // Removes all files but the id: map_server has stored the back submap.
+  Result<> complete(JobName name);
+  // Moves the job to failed/, then removes the oldest jobs there until the others fit and are at most 100. The job
+  // itself is kept even if it alone is too large, unless max_failed_bytes is 0. Returns its new path; nullopt if it is
+  // not kept.
+  std::optional<std::string> fail(JobName name, const std::string& reason);
 
   std::string window_file(JobName name) const { return file(name, ".window"); }
   std::string work_folder(JobName name) const { return file(name, ".work"); }

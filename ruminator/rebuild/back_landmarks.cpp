@@ -16,9 +16,9 @@
 namespace rumi::ruminator {
 namespace {
 
-constexpr size_t kNeighbours = 10;  // images that each is matched with: those that share the most points with it
-constexpr int kMaxDistance = 50;    // of the descriptors of a match, Hamming
-constexpr double kMaxLinePx = 2;    // of a match from the epipolar line
+constexpr size_t kNeighbours = 10;  // each image is matched with this many others, those that share most points with it
+constexpr int kMaxDistance = 50;    // largest Hamming distance of a match
+constexpr double kMaxLinePx = 2;    // largest distance of a match from its epipolar line, at octave 0
 
 double median_depth(const SparseModel& model) {
   std::vector<double> depths;
@@ -29,7 +29,7 @@ double median_depth(const SparseModel& model) {
   return median(&depths);
 }
 
-// Pairs of images that share points, each image with those that it shares the most with.
+// Returns pairs of images: each image with those that share most points with it.
 std::set<std::pair<int, int>> neighbouring_images(const SparseModel& model) {
   std::map<int, std::map<int, int>> shared;
   for (const SparseModel::Point& point : model.points)
@@ -38,7 +38,7 @@ std::set<std::pair<int, int>> neighbouring_images(const SparseModel& model) {
         if (a.first != b.first) ++shared[a.first][b.first];
   std::set<std::pair<int, int>> pairs;
   for (const auto& [image, others] : shared) {
-    std::vector<std::pair<int, int>> best;  // (-shared, other)
+    std::vector<std::pair<int, int>> best;  // (minus the points in common, other image)
     for (const auto& [other, count] : others) best.emplace_back(-count, other);
     std::sort(best.begin(), best.end());
     for (size_t i = 0; i < best.size() && i < kNeighbours; ++i) pairs.insert(std::minmax(image, best[i].second));
@@ -51,10 +51,10 @@ struct Nearest {
   int distance = 0;
 };
 
-// For each keypoint of `a` the most similar one of `b` near its epipolar line.
+// Returns for each keypoint of `a` the most similar keypoint of `b` near its epipolar line.
 std::vector<Nearest> nearest_on_lines(const Features& a, const Features& b, const Eigen::Matrix3f& f,
                                       const std::vector<double>& scales) {
-  std::vector<float> width;  // of the line's neighbourhood, by keypoint of b
+  std::vector<float> width;  // largest distance from the line, by keypoint of b
   for (const Keypoint& k : b.keypoints) width.push_back(static_cast<float>(kMaxLinePx * scales[k.octave]));
   std::vector<Nearest> nearest(a.size());
   for (size_t i = 0; i < a.size(); ++i) {
@@ -85,7 +85,7 @@ ImagePair match_along_lines(const Camera& camera, const Keyframe& a, const Keyfr
   return pair;
 }
 
-// Points to where their rays meet best; the poses stay.
+// Optimizes the positions of the points with fixed poses.
 void adjust_points(const Camera& camera, const std::vector<WindowImage>& images, SparseModel* model) {
   BundleProblem problem;
   for (const auto& [image, pose] : model->cam_from_world) problem.views.push_back({pose, true});
@@ -101,13 +101,9 @@ void adjust_points(const Camera& camera, const std::vector<WindowImage>& images,
 
 void add_landmarks(const std::vector<SparseModel::Point>& points, Submap* submap) {
   for (const SparseModel::Point& point : points) {
-    Landmark landmark;
-    landmark.id = static_cast<int>(submap->landmarks.size());
-    landmark.position = point.position;
-    landmark.revision = submap->revision;
-    submap->landmarks.emplace(landmark.id, landmark);
+    Landmark& landmark = submap->add_landmark(static_cast<int>(submap->landmarks.size()), point.position);
     for (const auto& [keyframe, keypoint] : point.track) submap->add_observation(landmark.id, keyframe, keypoint);
-    update_landmark_view(*submap, submap->landmark(landmark.id));
+    update_landmark_view(*submap, &landmark);
   }
 }
 
@@ -121,7 +117,7 @@ void fill_back_submap(const Camera& camera, const std::vector<SeenImage>& images
   orb.pyramid = submap->pyramid;
   OrbExtractor extractor(orb);
   const std::vector<double> scales = submap->pyramid.scales();
-  std::map<int, int> keyframe_of;  // image -> keyframe
+  std::map<int, int> keyframe_of;  // index of the keyframe, by image
   std::vector<WindowImage> keypoints;
   SparseModel posed;
   for (const auto& [image, pose] : model.cam_from_world) {
@@ -132,13 +128,11 @@ void fill_back_submap(const Camera& camera, const std::vector<SeenImage>& images
     keyframe.cam_from_submap = SE3(pose.rotation, pose.translation / unit);
     auto features = std::make_shared<Features>(extractor.extract(extractor.pyramid(seen.grey, seen.mask)));
     features->undistort(camera);
-    keyframe.landmark_ids.assign(features->size(), kNone);
     keypoints.push_back({"", features->undistorted});
     keyframe.features = std::move(features);
-    keyframe.revision = keyframe.created_revision = submap->revision;
     posed.cam_from_world[keyframe.id] = keyframe.cam_from_submap;
-    submap->frames[keyframe.utime_us] = {keyframe.utime_us, keyframe.id, SE3(), submap->revision};
-    submap->keyframes.emplace(keyframe.id, std::move(keyframe));
+    submap->set_frame({.utime_us = keyframe.utime_us, .reference_keyframe = keyframe.id, .cam_from_keyframe = SE3()});
+    submap->add_keyframe(std::move(keyframe));
   }
   std::vector<ImagePair> pairs;
   for (const auto& [a, b] : neighbouring_images(model))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A back submap in the language of the front ones: ORB keypoints of the same extractor, matched along the epipolar
-// lines of the finished poses. So the same image has the same keypoints in both, and front_tracker can relocalize here.
+// Fills a back submap with ORB keypoints of front_tracker's extractor, matched along the epipolar lines given by the
+// final poses. Therefore an image has the same keypoints in front and back submaps, and front_tracker can relocalize in
+// both.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -16,12 +17,12 @@ namespace rumi::ruminator {
 struct SeenImage {
   int64_t utime_us = 0;
   cv::Mat grey;
-  ImageMask mask = {};  // no keypoints are made where it leaves something out
+  ImageMask mask = {};  // no keypoints in the masked part
 };
 
-// One keyframe per image of the model, ids 0, 1, ... in order of time, each also a frame; landmarks with at least
-// two observations. The unit of length is the median depth of the model's points. images by the model's image index,
-// in order of time.
+// Adds a keyframe and a frame for each image of the model, with ids 0, 1, ... in order of time, and landmarks with at
+// least two observations. The submap's unit is the median depth of the model's points. `images`: by the model's image
+// index, in order of time.
 void fill_back_submap(const Camera& camera, const std::vector<SeenImage>& images, const SparseModel& model,
                       Submap* submap);
 

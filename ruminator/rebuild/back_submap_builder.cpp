@@ -6,25 +6,26 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <map>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/running/stage_clock.h"
 #include "base/this_process/cpu_clock.h"
-#include "bus/wire/image_masks.h"
 #include "bus/wire/working_image.h"
 #include "ruminator/rebuild/back_landmarks.h"
-#include "ruminator/rebuild/window_look.h"
+#include "ruminator/rebuild/window_images.h"
 #include "ruminator/rebuild/window_model.h"
 #include "ruminator/rebuild/window_prospects.h"
-#include "slam/features/lens_mask.h"
 
 namespace rumi::ruminator {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Shares of the stages in the time of a build, as measured on windows of 20 to 120 images.
+// Fractions of the build time at which the stages begin and the last one ends, as measured on windows of 20 to 120
+// images.
 constexpr double kStageStart[] = {0.0, 0.3, 0.7, 1.0};
 
 class Progress {
@@ -44,136 +45,151 @@ class Progress {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-struct WindowImages {
-  std::vector<SeenImage> seen;
-  std::vector<int64_t> utimes_us;
-  std::vector<SiftFeatures> features;
-  std::vector<WindowImage> colmap;
-};
-
-// `known`: features that are known already, by image.
-WindowImages extract(const WindowJob& job, const Camera& camera, const BuildOptions& options,
-                     const std::map<size_t, SiftFeatures>& known, const Progress& progress,
-                     const std::atomic<bool>& cancel) {
-  const StageClock clock("ruminator.sift");
-  WindowImages images;
-  MaskReader masks(lens_mask(camera));
-  for (size_t i = 0; i < job.images.size() && !cancel; ++i) {
-    progress(BuildStage::kExtracting, static_cast<double>(i) / static_cast<double>(job.images.size()));
-    std::string ignored;
-    const image_t& image = job.images[i];
-    cv::Mat grey = decode_working_image(image, job.camera, camera, &ignored);
-    if (grey.empty()) continue;  // broken, or of another camera
-    const ImageMask& mask = masks.read(image, grey.size(), &ignored);
-    const auto before = known.find(i);
-    images.features.push_back(before != known.end() ? before->second
-                                                    : extract_sift(grey, camera, options.sift_keypoints, mask));
-    images.colmap.push_back({fmt::format("{}", image.utime), images.features.back().undistorted});
-    images.utimes_us.push_back(image.utime);
-    images.seen.push_back({image.utime, std::move(grey), mask});
-  }
-  return images;
-}
-
-std::set<int> all_of(size_t images) {
-  std::set<int> all;
-  for (size_t i = 0; i < images; ++i) all.insert(all.end(), static_cast<int>(i));
-  return all;
-}
-
 std::vector<Sample> front_samples(const RuminationWindow& window) {
   std::vector<Sample> samples = window.samples();
   std::erase_if(samples, [](const Sample& sample) { return sample.submap_id == kNoSubmap; });
   return samples;
 }
 
-void count_registered(const RuminationWindow& window, const Submap& submap, BuildResult* result) {
-  const auto registered = [&submap](const std::vector<Sample>& samples) {
-    return static_cast<int>(std::count_if(samples.begin(), samples.end(),
-                                          [&](const Sample& s) { return submap.frame(s.utime_us) != nullptr; }));
-  };
-  result->approach = registered(window.approach);
-  result->gap = registered(window.gap);
-  result->departure = registered(window.departure);
-}
+class BackSubmapBuild {
+ public:
+  BackSubmapBuild(const WindowJob& job, const BuildOptions& options, const std::string& work_folder,
+                  const Progress& progress, const std::atomic<bool>& cancel)
+      : job_(job),
+        options_(options),
+        work_folder_(work_folder),
+        progress_(progress),
+        cancel_(cancel),
+        camera_(working_camera(job.camera, options.max_image_side)),
+        prospects_(job_, camera_, options_, cancel_),
+        images_(job_, camera_, options.sift_keypoints) {}
 
-// All stages; result->failure or result->submap is set, or result->cancelled.
-void run(const WindowJob& job, const BuildOptions& options, const std::string& work_folder, const Progress& progress,
-         const std::atomic<bool>& cancel, BuildResult* result, double* child_cpu_s) {
-  std::error_code error;
-  fs::create_directories(work_folder, error);
-  if (error) {
-    result->failure = fmt::format("{}: cannot be made: {}", work_folder, error.message());
-    result->retryable = true;
-    return;
+  BuildResult run() {
+    const double start_cpu_s = thread_cpu_s();
+    result_.submap = rebuild();
+    result_.wall_s = progress_.elapsed_s();
+    result_.cpu_s = thread_cpu_s() - start_cpu_s + child_cpu_s_;
+    return std::move(result_);
   }
-  result->failure = find_blind_gap(job, options);
-  if (!result->failure.empty()) return;
-  const Camera camera = working_camera(job.camera, options.max_image_side);
-  const WindowLook look = look_at_motion(job, camera, options, cancel);
-  result->failure = look.hopeless;
-  if (!result->failure.empty()) return;
-  const WindowImages images = extract(job, camera, options, look.features, progress, cancel);
-  const std::vector<ImagePair> pairs = match_window(
-      camera, images.features, options.pairs,
-      [&progress](double fraction) { progress(BuildStage::kMatching, fraction); }, cancel);
-  if (!cancel) result->failure = find_hopeless(job, camera, images.utimes_us, images.features, pairs, options);
-  if (!cancel && result->failure.empty())
-    result->failure = find_no_depth(camera, images.features, pairs, all_of(images.features.size()), cancel);
-  if (cancel || !result->failure.empty()) {
-    result->cancelled = cancel;
-    return;
-  }
-  progress(BuildStage::kMapping, 0);
-  const std::vector<Sample> front = front_samples(job.window);
-  const WindowModelResult model = build_window_model(
-      {camera, images.colmap, images.utimes_us, pairs, front}, options, work_folder,
-      [&progress](double fraction) { progress(BuildStage::kMapping, 0.9 * fraction); }, cancel);
-  *child_cpu_s = model.child_cpu_s;
-  result->models_tried = model.attempts;
-  result->warning = model.warning;
-  result->cancelled = model.cancelled;
-  result->failure = model.failure;
-  result->retryable = !model.failure.empty() && model.retryable;
-  if (!model.failure.empty()) return;
-  // What is published has a proof of its depth.
-  std::set<int> in_model;
-  for (const auto& [image, pose] : model.best.model.cam_from_world) in_model.insert(image);
-  result->failure = find_no_depth(camera, images.features, pairs, in_model, cancel);
-  if (!result->failure.empty()) return;
 
-  Submap submap;
-  submap.key = {job.window.session, -job.window.id};
-  submap.stream = job.window.stream;
-  submap.kind = SubmapKind::kBack;
-  submap.camera = camera;
-  submap.pyramid = options.pyramid;
-  submap.closed = true;
-  submap.revision = 1;
-  fill_back_submap(camera, images.seen, model.best.model, &submap);
-  result->error_px = model.best.quality.rmse_px;
-  result->origin = model.best.origin;
-  result->agreement = model.best.agreement;
-  count_registered(job.window, submap, result);
-  if (is_useful(result->approach, result->gap, result->departure))
-    result->submap = std::move(submap);
-  else
-    result->failure = fmt::format("the {} images that have a pose bridge no gap", submap.frames.size());
-}
+ private:
+  using Step = Result<> (BackSubmapBuild::*)();
+
+  Result<Submap> rebuild() {
+    using Build = BackSubmapBuild;
+    for (const Step step : {&Build::make_work_folder, &Build::look, &Build::match, &Build::judge_matches,
+                            &Build::find_model, &Build::judge_model})
+      if (const Result<> done = (this->*step)(); !done) return done.error();
+    return back_submap();
+  }
+
+  Result<> make_work_folder() {
+    std::error_code error;
+    fs::create_directories(work_folder_, error);
+    if (!error) return {};
+    result_.retryable = true;
+    return Error{fmt::format("cannot be made: {}", error.message()), work_folder_};
+  }
+
+  Result<> look() { return prospects_.at_first_look(images_); }
+
+  Result<> match() {
+    extract();
+    pairs_ = match_window(
+        camera_, usable_.features, options_.pairs,
+        [this](double fraction) { progress_(BuildStage::kMatching, fraction); }, cancel_);
+    return {};
+  }
+
+  void extract() {
+    const StageClock clock("ruminator.sift");
+    for (size_t i = 0; i < images_.size() && !cancel_; ++i) {
+      progress_(BuildStage::kExtracting, static_cast<double>(i) / static_cast<double>(images_.size()));
+      images_.features(i);
+    }
+    usable_ = images_.take();
+  }
+
+  Result<> judge_matches() {
+    const Result<> prospect = cancel_ ? Result<>() : prospects_.of_matches(usable_, pairs_);
+    if (!cancel_) return prospect;
+    result_.cancelled = true;
+    return Error{"called off"};
+  }
+
+  Result<> find_model() {
+    progress_(BuildStage::kMapping, 0);
+    const std::vector<Sample> front = front_samples(job_.window);
+    WindowModelResult found = build_window_model(
+        {camera_, usable_.colmap, usable_.utimes_us, pairs_, front}, options_, work_folder_,
+        [this](double fraction) { progress_(BuildStage::kMapping, 0.9 * fraction); }, cancel_);
+    child_cpu_s_ = found.child_cpu_s;
+    result_.models_tried = found.attempts;
+    result_.warning = found.warning;
+    result_.cancelled = found.cancelled;
+    result_.retryable = !found.best && found.retryable;
+    if (!found.best) return found.best.error();
+    model_ = std::move(*found.best);
+    return {};
+  }
+
+  Result<> judge_model() {
+    if (Result<> depth = prospects_.of_model(usable_, pairs_, model_.model); !depth) return depth;
+    result_.error_px = model_.quality.rmse_px;
+    result_.origin = model_.origin;
+    result_.agreement = model_.agreement;
+    count_registered();
+    if (is_useful(result_.approach, result_.gap, result_.departure)) return {};
+    return Error{fmt::format("the {} images that have a pose bridge no gap", model_.model.cam_from_world.size())};
+  }
+
+  void count_registered() {
+    std::set<int64_t> utimes;
+    for (const auto& [image, pose] : model_.model.cam_from_world) utimes.insert(usable_.utimes_us[image]);
+    const auto registered = [&utimes](const std::vector<Sample>& samples) {
+      return static_cast<int>(
+          std::count_if(samples.begin(), samples.end(), [&](const Sample& s) { return utimes.contains(s.utime_us); }));
+    };
+    result_.approach = registered(job_.window.approach);
+    result_.gap = registered(job_.window.gap);
+    result_.departure = registered(job_.window.departure);
+  }
+
+  Submap back_submap() const {
+    Submap submap;
+    submap.key = {job_.window.session, -job_.window.id};
+    submap.stream = job_.window.stream;
+    submap.kind = SubmapKind::kBack;
+    submap.camera = camera_;
+    submap.pyramid = options_.pyramid;
+    submap.close();
+    fill_back_submap(camera_, usable_.seen, model_.model, &submap);
+    return submap;
+  }
+
+  const WindowJob& job_;
+  const BuildOptions& options_;
+  const std::string& work_folder_;
+  const Progress& progress_;
+  const std::atomic<bool>& cancel_;
+  const Camera camera_;  // the working camera
+  WindowProspects prospects_;
+  WindowImages images_;
+  UsableImages usable_;
+  std::vector<ImagePair> pairs_;
+  WindowModel model_;
+  double child_cpu_s_ = 0;
+  BuildResult result_;
+};
 
 }  // namespace
 
 BuildResult build_back_submap(const WindowJob& job, const BuildOptions& options, const std::string& work_folder,
                               const std::function<void(const BuildProgress&)>& progress,
                               const std::atomic<bool>& cancel) {
-  BuildResult result;
   const Progress tell(progress);
-  const double start_cpu_s = thread_cpu_s();
-  double child_cpu_s = 0;
-  run(job, options, work_folder, tell, cancel, &result, &child_cpu_s);
-  result.wall_s = tell.elapsed_s();
-  result.cpu_s = thread_cpu_s() - start_cpu_s + child_cpu_s;
-  if (result.failure.empty() || result.cancelled) {
+  BuildResult result = BackSubmapBuild(job, options, work_folder, tell, cancel).run();
+  if (result.submap || result.cancelled) {
     std::error_code ignored;
     fs::remove_all(work_folder, ignored);
   }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rebuilds the frames of a window with COLMAP (paper, section IV.B): keypoints and verified matches are ours, the
-// incremental mapping is COLMAP's, several attempts are compared and false solutions refused.
+// Rebuilds the frames of a window (paper, section IV.B). Keypoints and verified matches are Rumi's, the incremental
+// mapping is COLMAP's. Several attempts are compared, and false solutions are refused.
 #pragma once
 
 #include <atomic>
 #include <functional>
-#include <optional>
 #include <string>
+#include <vector>
 
+#include "base/result.h"
 #include "ruminator/model/front_agreement.h"
 #include "ruminator/rebuild/build_options.h"
 #include "ruminator/window/window_job.h"
@@ -19,28 +20,29 @@ enum class BuildStage { kExtracting, kMatching, kMapping };
 
 struct BuildProgress {
   BuildStage stage = BuildStage::kExtracting;
-  double fraction = 0;      // 0..1 within the stage
-  double remaining_s = -1;  // estimate to the end of the build; negative: unknown
+  double fraction = 0;      // finished share of the stage, 0 to 1
+  double remaining_s = -1;  // estimated time to the end of the build; negative: unknown
 };
 
 struct BuildResult {
-  std::optional<Submap> submap;  // kind BACK, key (window.session, -window.id), closed, revision 1
-  std::string failure;           // why there is none; a sentence for a person
-  bool cancelled = false;        // asked to stop: the job is worth another try
-  bool retryable = false;        // the machine failed, not the window: no COLMAP, disk full, killed from outside
+  // A closed submap of kind BACK, with the key (window.session, -window.id), at revision 1; or an Error with the
+  // reason, a sentence for users.
+  Result<Submap> submap = Error{"rebuilding gave nothing, and no reason"};
+  bool cancelled = false;  // stopped on request: the job is worth another try
+  bool retryable = false;  // the machine is to blame, not the window (no COLMAP, full disk, killed from outside, ...)
 
-  // Frames registered of those sampled.
-  int approach = 0, gap = 0, departure = 0;
-  std::string warning;  // of what went wrong on the way and was not needed, e.g. no COLMAP
-  std::string origin;   // how the model was found
+  int approach = 0, gap = 0, departure = 0;  // samples of each part that have a pose
+  std::string warning;                       // a problem that did not prevent the submap, such as missing COLMAP
+  std::string origin;                        // how the model was found
   std::vector<FrontAgreement> agreement;
-  double error_px = 0;           // RMS reprojection error
-  int models_tried = 0;          // mapper runs
-  double wall_s = 0, cpu_s = 0;  // ours and COLMAP's
+  double error_px = 0;           // RMS reprojection error of the model
+  int models_tried = 0;          // attempts to make a model
+  double wall_s = 0, cpu_s = 0;  // time of this process and of COLMAP
 };
 
-// `work_folder` is made, used for COLMAP's files and log, and removed unless the build fails. Deterministic for a job
-// and options (one thread). `cancel` ends it within a second, children included.
+// Rebuilds a window. Creates `work_folder` for COLMAP's files and log, and removes it unless the build fails.
+// Deterministic for given job and options (one thread). If `cancel` becomes true, the build and its child processes end
+// within a second.
 BuildResult build_back_submap(const WindowJob& job, const BuildOptions& options, const std::string& work_folder,
                               const std::function<void(const BuildProgress&)>& progress,
                               const std::atomic<bool>& cancel);

@@ -21,22 +21,22 @@ class ColmapProgram;
 // How a window is rebuilt.
 struct BuildOptions {
   std::string colmap = "colmap";              // the program: a name found in PATH or a path
-  int nice = 19;                              // of COLMAP's processes and of our own building thread
-  double mapper_cpu_limit_s = 120;            // of one mapper run
-  int max_image_side = kDefaultMaxImageSide;  // pixels; larger images are worked on smaller, as by front_tracker
-  Pyramid pyramid;                            // of the back submap's keypoints, as of front_tracker's
-  int sift_keypoints = kSiftKeypoints;        // of an image, the strongest
+  int nice = 19;                              // niceness of COLMAP's processes and of our building thread
+  double mapper_cpu_limit_s = 120;            // most CPU time of one mapper run, s
+  int max_image_side = kDefaultMaxImageSide;  // pixels; larger images are reduced to it, as in front_tracker
+  Pyramid pyramid;                            // pyramid for the back submap's keypoints, as in front_tracker
+  int sift_keypoints = kSiftKeypoints;        // most keypoints of an image, the strongest ones
   PairSelection pairs;
   ModelRefinementOptions refinement;
-  int global_track_images = kMinTrackImages;  // for tests: no option
-  // What is known of `colmap`, for all windows; null: it is asked for each. No option.
+  int global_track_images = kMinTrackImages;  // only tests change it; not an option
+  // The state of `colmap`, shared by all windows; null: each window asks it again. Not an option.
   std::shared_ptr<ColmapProgram> colmap_program = nullptr;
   double scale_max_change = kMaxScaleChange;
   double tear_max_severed = kMaxSevered;
-  double min_parallax_px = 2;             // of some pair of images, or the camera has only turned
-  double max_rmse_px = 1.5;               // of the reprojection
-  double max_pair_rotation_deg = 3;       // median difference to the relative rotations of the pairs
-  double max_rival_position_ratio = 0.1;  // difference of a model that COLMAP began to the global one: FrontAgreement
+  double min_parallax_px = 2;  // largest parallax of an image pair must reach it; otherwise the camera has only turned
+  double max_rmse_px = 1.5;    // largest reprojection error of a credible model
+  double max_pair_rotation_deg = 3;       // largest median difference to the relative rotations of image pairs
+  double max_rival_position_ratio = 0.1;  // largest FrontAgreement::position_ratio of a rival of the global model
 };
 
 inline void describe(OptionTable& table, BuildOptions& o) {

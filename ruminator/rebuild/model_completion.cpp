@@ -9,13 +9,13 @@
 namespace rumi::ruminator {
 namespace {
 
-constexpr int kRepairs = 3;  // of slips of the scale in one model, at most
-// Of what is torn off: parallax of the points that tie it to the rest, and images placed anew from one adjustment to
-// the next.
+constexpr int kRepairs = 3;  // most slips of the scale that are repaired in one model
+// For regrowing a torn model: least parallax of the points that connect an image to the rest, and how many images are
+// added between two adjustments.
 constexpr double kRegrowParallaxDeg = 0.5;
 constexpr int kRegrowImages = 3;
 
-// What of the model is on that side of the cut.
+// Returns the part of the model on one side of the cut.
 SparseModel side_of(const SparseModel& model, const ScaleCut& cut, bool after) {
   SparseModel side = model;
   std::set<int> others;
@@ -60,7 +60,7 @@ std::vector<SparseModel> ModelCompletion::joined(const std::vector<SparseModel>&
   return joined;
 }
 
-// Points anew and everything adjusted, first with a wide limit for errors.
+// Triangulates the points and adjusts the model twice, first with a larger limit for errors.
 ModelQuality ModelCompletion::settle(SparseModel* model) const {
   ModelRefinementOptions rough = o_.refinement;
   rough.max_error_px = 4 * o_.refinement.max_error_px;
@@ -81,7 +81,7 @@ void ModelCompletion::repair_slips(ModelQuality* quality, SparseModel* model) co
     repair_scale(*slip, &repaired);
     const ModelQuality after = settle(&repaired);
     const std::optional<ScaleCut> left = find_slip(scale_cuts(repaired), o_.scale_max_change);
-    // Right if everything else fits as well as before, and the slip is gone.
+    // The repair is right if the model still fits about as well as before and the slip is gone.
     const bool fits = after.observations > 0.98 * quality->observations && after.rmse_px < 1.05 * quality->rmse_px;
     if (!fits || (left && std::abs(left->log_ratio) > 0.5 * std::abs(slip->log_ratio))) return;
     *quality = after;
@@ -90,8 +90,8 @@ void ModelCompletion::repair_slips(ModelQuality* quality, SparseModel* model) co
   }
 }
 
-// The largest part is kept, and the images of the others are placed anew by what they share with it, a few at a time.
-// So their scale comes from the points between them. False if nothing is torn.
+// Keeps the largest part of a torn model and adds the images of the other parts again, a few at a time, by the points
+// that they share with it, so that these points determine their scale. Returns false if the model is not torn.
 bool ModelCompletion::regrow_torn(SparseModel* model) const {
   const std::set<int> off = torn(*model);
   if (off.empty()) return false;
@@ -103,7 +103,7 @@ bool ModelCompletion::regrow_torn(SparseModel* model) const {
     adjust_model(in_.camera, in_.images, growth, model);
   };
   renew();
-  // An image that is lost again to the adjustment could come back for ever.
+  // Stops when the model no longer grows: an image that each adjustment removes would be added again for ever.
   for (size_t most = 0; model->cam_from_world.size() > most;) {
     most = model->cam_from_world.size();
     if (resect_missing_images(in_.camera, in_.images, in_.pairs, growth, model, kRegrowImages) > 0) renew();
@@ -112,7 +112,7 @@ bool ModelCompletion::regrow_torn(SparseModel* model) const {
   return true;
 }
 
-// Images whose place is not determined out, images left out in, points of all.
+// Removes images whose position is not determined, adds images that were left out, and triangulates all points.
 void ModelCompletion::complete_images(SparseModel* model) const {
   remove_loose_images(o_.refinement, model);
   if (resect_missing_images(in_.camera, in_.images, in_.pairs, o_.refinement, model) > 0) adjust(model);
@@ -131,7 +131,8 @@ std::set<int> ModelCompletion::known_to_front() const {
   return known;
 }
 
-// Where nothing tells how two sides relate there are two models, and one of them is kept.
+// Leaves out images whose relation to the others nothing determines. Where only the scale between two sides is unknown,
+// joins them by front_tracker's poses, or else keeps the larger side.
 void ModelCompletion::drop_unrelated(WindowModel* candidate) const {
   SparseModel& model = candidate->model;
   if (const int strays = remove_strays(&model); strays > 0) {
@@ -143,7 +144,7 @@ void ModelCompletion::drop_unrelated(WindowModel* candidate) const {
     candidate->broken_off += static_cast<int>(off.size());
     candidate->quality = adjust(&model);
   }
-  std::set<int> tied;  // cuts
+  std::set<int> tied;  // the last images before cuts whose sides are joined
   while (true) {
     std::vector<ScaleCut> cuts = scale_cuts(model);
     std::erase_if(cuts, [&tied](const ScaleCut& cut) { return tied.contains(cut.image); });
@@ -160,7 +161,7 @@ void ModelCompletion::drop_unrelated(WindowModel* candidate) const {
   }
 }
 
-// What was in the middle may be an end now.
+// Trims the ends again, because images from the middle may have become ends.
 void ModelCompletion::trim_new_ends(WindowModel* candidate) const {
   const int trimmed = trim_open_ends(known_to_front(), o_.refinement, &candidate->model);
   if (trimmed == 0) return;
@@ -168,8 +169,8 @@ void ModelCompletion::trim_new_ends(WindowModel* candidate) const {
   candidate->quality = adjust(&candidate->model);
 }
 
-// Both sides of such a cut agree with a front submap, each by itself, but not in scale. Where many points cross the cut
-// it is the front submap that has slipped.
+// Returns the weakest cut whose sides each agree with the same front submap, but not with the same scale. Ignores cuts
+// crossed by many points: there it is the front submap whose scale has slipped.
 std::optional<ScaleCut> ModelCompletion::front_break(const std::vector<ScaleCut>& cuts,
                                                      const SparseModel& model) const {
   SparseModel poses;
@@ -184,14 +185,14 @@ std::optional<ScaleCut> ModelCompletion::front_break(const std::vector<ScaleCut>
   return weakest;
 }
 
-// Each side as it is by itself, put where front_tracker has it. They are not adjusted together: the points between them
-// say less of the scale than that.
+// Places each side of the cut where front_tracker has it. Does not adjust the two together, because the points between
+// them determine the scale less well than front_tracker's poses do.
 bool ModelCompletion::tie_to_front(const ScaleCut& cut, WindowModel* candidate) const {
   SparseModel before = side_of(candidate->model, cut, false), after = side_of(candidate->model, cut, true);
   const auto tie_of = [&] { return front_tie(in_.front, in_.utimes_us, before, after); };
   const auto known = tie_of();
   if (!known) return false;
-  // A side of an earlier cut is a side of this one too.
+  // The sides of this cut may have been joined already with those of an earlier one.
   if (candidate->is_tied_to_front && std::abs(std::log(known->scale)) < std::log1p(o_.scale_max_change)) return true;
   adjust(&before);
   adjust(&after);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Completes a model, in the same way for every candidate, so that they can be compared. It triangulates points from the
-// tracks, adjusts everything with the calibrated camera, repairs slips of the scale, grows anew what is torn off, tries
-// once more the images that were left out, and ties sides of unrelated scale by front_tracker's poses. What then does
-// not belong together is left out.
+// Completes a model, in the same way for all candidates, so that they can be compared: triangulates points from the
+// tracks, adjusts all with the calibrated camera, repairs slips of the scale, regrows torn parts, tries again to add
+// images that were left out, and joins parts of unknown relative scale by front_tracker's poses. Leaves out what
+// remains unrelated.
 #pragma once
 
 #include <string>
@@ -15,12 +15,12 @@ namespace rumi::ruminator {
 
 class ModelCompletion {
  public:
-  // Keeps references to both.
+  // Both arguments must outlive this object.
   ModelCompletion(const WindowModelInput& input, const BuildOptions& options);
 
-  // With model, origin, quality and broken_off set, not yet judged.
+  // Returns a candidate with model, origin, quality, broken_off and is_tied_to_front set; judge_model() sets the rest.
   WindowModel complete(SparseModel model, std::string origin) const;
-  // Of each two of the models that what they see in common joins to a larger one: that.
+  // Joins any two models that have enough points in common, if the result has more images than each.
   std::vector<SparseModel> joined(const std::vector<SparseModel>& models) const;
 
  private:

@@ -17,8 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kCompleteRatio = 0.95;  // of the images that hang together: a model with so many needs no rival
-constexpr double kWallPerCpuTime = 30;   // a mapper that takes longer hangs; below, other programs may have the cores
+constexpr double kCompleteRatio = 0.95;  // a model with this share of the connected images needs no further attempts
+// A mapper whose wall-clock time exceeds its CPU limit by this factor hangs; below it, other programs may use the
+// cores.
+constexpr double kWallPerCpuTime = 30;
 
 class Attempts {
  public:
@@ -36,12 +38,12 @@ class Attempts {
     connected_ = static_cast<int>(std::count(group.begin(), group.end(), 0));
   }
 
-  // Makes the global model, and lets COLMAP extend it.
+  // Builds the global model, and lets COLMAP extend it.
   void global() {
     auto model = build_global_model(in_.camera, in_.images, rotations_, o_.global_track_images);
     ++result.attempts;
     if (!model || cancel_) return;
-    // The global model is rough: it is pruned and adjusted with limits that shrink in steps.
+    // The global model is rough, so it is pruned and adjusted with decreasing limits for errors.
     for (double max_error_px : {50.0, 10.0}) {
       ModelRefinementOptions rough = o_.refinement;
       rough.max_error_px = max_error_px;
@@ -52,8 +54,8 @@ class Attempts {
     const std::string seed = folder_ + "/seed";
     std::error_code ignored;
     fs::create_directories(seed, ignored);
-    if (const std::string error = write_colmap_model(seed, in_.camera, in_.images, ours.model); !error.empty())
-      result.warning = error;
+    if (const Result<> written = write_colmap_model(seed, in_.camera, in_.images, ours.model); !written)
+      result.warning = written.error_text();
     else
       extend(seed, &ours);
     add(std::move(ours));
@@ -64,40 +66,41 @@ class Attempts {
     MapperSettings settings = common_settings();
     settings.init_min_tri_angle_deg = angle_deg;
     const MapperOutcome outcome = run_mapper("", settings);
+    if (!outcome.models) return;
     const std::string origin = fmt::format("COLMAP, first pair at {:.0f} degrees", angle_deg);
-    for (const SparseModel& model : outcome.models) add_rival(completion_.complete(model, origin));
-    for (const SparseModel& model : completion_.joined(outcome.models))
+    for (const SparseModel& model : *outcome.models) add_rival(completion_.complete(model, origin));
+    for (const SparseModel& model : completion_.joined(*outcome.models))
       add_rival(completion_.complete(model, origin + ", two models joined"));
   }
 
   bool is_complete() const {
     return std::any_of(candidates_.begin(), candidates_.end(), [this](const WindowModel& c) {
-      return c.doubt.empty() && images_of(c) >= kCompleteRatio * connected_;
+      return c.credible && images_of(c) >= kCompleteRatio * connected_;
     });
   }
 
-  // Prefers most images; among candidates with about as many, the smallest error.
+  // Chooses the candidate with the smallest error among the credible ones that have about the most images.
   void choose() {
     double most = 0;
     for (const WindowModel& c : candidates_)
-      if (c.doubt.empty()) most = std::max(most, images_of(c));
+      if (c.credible) most = std::max(most, images_of(c));
     const WindowModel* best = nullptr;
     for (const WindowModel& c : candidates_) {
       const bool has_most = images_of(c) >= kCompleteRatio * most;
-      if (c.doubt.empty() && has_most && (!best || c.quality.rmse_px < best->quality.rmse_px)) best = &c;
+      if (c.credible && has_most && (!best || c.quality.rmse_px < best->quality.rmse_px)) best = &c;
     }
     if (best)
       result.best = *best;
     else if (!candidates_.empty())
-      result.failure = fmt::format("no credible model in {} attempts: {}", result.attempts, doubts());
-    else
-      result.failure = result.warning.empty() ? "no model found" : result.warning;
+      result.best = Error{fmt::format("no credible model in {} attempts: {}", result.attempts, doubts())};
+    else if (!result.warning.empty())
+      result.best = Error{result.warning};
   }
 
   WindowModelResult result;
 
  private:
-  // Counts images that were broken off, too: another candidate that has them connected has only guessed how.
+  // Counts images that were broken off too: a candidate that keeps them connected has only guessed their scale.
   static double images_of(const WindowModel& c) {
     return static_cast<double>(c.model.cam_from_world.size()) + c.broken_off;
   }
@@ -123,20 +126,20 @@ class Attempts {
     MapperOutcome outcome = mapper_.run(command, settings, cancel_);
     result.child_cpu_s += outcome.cpu_s;
     add_stage_cpu("ruminator.colmap", outcome.cpu_s);
-    if (!outcome.failure.empty()) result.warning = outcome.failure;
+    if (!outcome.models) result.warning = outcome.models.error_text();
     result.retryable = result.retryable || outcome.retryable();
     return outcome;
   }
 
-  // Lets COLMAP add images to our model.
+  // Lets COLMAP add images to our model. Adds a candidate if it did.
   void extend(const std::string& seed, WindowModel* ours) {
     MapperSettings settings = common_settings();
     settings.min_model_size = 3;
     MapperOutcome outcome = run_mapper(seed, settings);
-    if (outcome.models.empty()) return;
-    // COLMAP goes on with a new model when ours cannot be extended.
+    if (!outcome.models) return;
+    // COLMAP begins another model if ours cannot be extended; so take the largest.
     SparseModel& extended = *std::max_element(
-        outcome.models.begin(), outcome.models.end(),
+        outcome.models->begin(), outcome.models->end(),
         [](const SparseModel& a, const SparseModel& b) { return a.cam_from_world.size() < b.cam_from_world.size(); });
     if (extended.cam_from_world.size() <= ours->model.cam_from_world.size()) return;
     add(completion_.complete(std::move(extended), "global model extended by COLMAP"));
@@ -147,20 +150,20 @@ class Attempts {
     keep(std::move(candidate));
   }
 
-  // A model that began with one pair may have begun with a wrong pair. So it must not contradict a credible global
-  // model, but it may have more images.
+  // Adds a candidate that COLMAP began with one pair, which may be a wrong one. So it must not contradict a credible
+  // global model, but it may have more images.
   void add_rival(WindowModel candidate) {
     judge_model(in_, rotations_, o_, &candidate);
-    for (size_t i = 0; i < globals_ && candidate.doubt.empty(); ++i)
-      if (candidates_[i].doubt.empty())
-        candidate.doubt = contradiction(candidates_[i].model, candidate.model, in_.utimes_us, o_);
+    for (size_t i = 0; i < globals_ && candidate.credible; ++i)
+      if (candidates_[i].credible)
+        candidate.credible = compare_shapes(candidates_[i].model, candidate.model, in_.utimes_us, o_);
     keep(std::move(candidate));
   }
 
   void keep(WindowModel candidate) {
     log_debug("{}: {} of {} images, {} left out, {:.2f} px, pair rotations {:.1f} degrees off{}{}", candidate.origin,
               candidate.model.cam_from_world.size(), in_.images.size(), candidate.broken_off, candidate.quality.rmse_px,
-              candidate.pair_rotation_deg, candidate.doubt.empty() ? "" : "; ", candidate.doubt);
+              candidate.pair_rotation_deg, candidate.credible ? "" : "; ", candidate.credible.error_text());
     candidates_.push_back(std::move(candidate));
   }
 
@@ -168,7 +171,7 @@ class Attempts {
     std::string text;
     for (const WindowModel& c : candidates_)
       text += fmt::format("{}{} ({} of {} images): {}", text.empty() ? "" : "; ", c.origin,
-                          c.model.cam_from_world.size(), in_.images.size(), c.doubt);
+                          c.model.cam_from_world.size(), in_.images.size(), c.credible.error_text());
     return text;
   }
 
@@ -180,10 +183,21 @@ class Attempts {
   ModelCompletion completion_;
   std::vector<RelativeRotation> rotations_;
   std::vector<int> keypoint_counts_;
-  int connected_ = 0;  // images of the largest connected group
+  int connected_ = 0;  // size of the largest group of connected images
   std::vector<WindowModel> candidates_;
-  size_t globals_ = 0;  // so many of them, the first ones, come from the global model
+  size_t globals_ = 0;  // number of candidates from the global model, which come first
 };
+
+Result<> check_quality(const WindowModel& candidate, const BuildOptions& options) {
+  const size_t images = candidate.model.cam_from_world.size();
+  if (images < 3) return Error{fmt::format("{} images have a pose", images)};
+  if (candidate.quality.rmse_px > options.max_rmse_px)
+    return Error{fmt::format("reprojection error {:.2f} px", candidate.quality.rmse_px)};
+  if (candidate.pair_rotation_deg > options.max_pair_rotation_deg)
+    return Error{fmt::format("its rotations differ from those between its images by {:.1f} degrees",
+                             candidate.pair_rotation_deg)};
+  return {};
+}
 
 }  // namespace
 
@@ -193,19 +207,11 @@ void judge_model(const WindowModelInput& input, const std::vector<RelativeRotati
   for (const auto& [image, pose] : candidate->model.cam_from_world) poses[input.utimes_us[image]] = pose;
   candidate->agreement = compare_with_front(input.front, poses);
   candidate->pair_rotation_deg = median_rotation_error_deg(rotations, candidate->model);
-  candidate->doubt.clear();
-  if (poses.size() < 3) {
-    candidate->doubt = fmt::format("{} images have a pose", poses.size());
-  } else if (candidate->quality.rmse_px > options.max_rmse_px) {
-    candidate->doubt = fmt::format("reprojection error {:.2f} px", candidate->quality.rmse_px);
-  } else if (candidate->pair_rotation_deg > options.max_pair_rotation_deg) {
-    candidate->doubt = fmt::format("its rotations differ from those between its images by {:.1f} degrees",
-                                   candidate->pair_rotation_deg);
-  }
+  candidate->credible = check_quality(*candidate, options);
 }
 
-std::string contradiction(const SparseModel& global, const SparseModel& rival, const std::vector<int64_t>& utimes_us,
-                          const BuildOptions& options) {
+Result<> compare_shapes(const SparseModel& global, const SparseModel& rival, const std::vector<int64_t>& utimes_us,
+                        const BuildOptions& options) {
   constexpr int32_t kGlobal = 1;
   std::vector<Sample> samples;
   for (const auto& [image, pose] : global.cam_from_world) samples.push_back({utimes_us[image], false, kGlobal, pose});
@@ -213,8 +219,8 @@ std::string contradiction(const SparseModel& global, const SparseModel& rival, c
   for (const auto& [image, pose] : rival.cam_from_world) poses[utimes_us[image]] = pose;
   const std::vector<FrontAgreement> shape = compare_with_front(samples, poses);
   if (shape.empty() || shape[0].position_ratio <= options.max_rival_position_ratio) return {};
-  return fmt::format("its positions differ from those of the global model by {:.2f} of their spread",
-                     shape[0].position_ratio);
+  return Error{fmt::format("its positions differ from those of the global model by {:.2f} of their spread",
+                           shape[0].position_ratio)};
 }
 
 namespace {
@@ -222,9 +228,9 @@ namespace {
 WindowModelResult attempt(const WindowModelInput& input, const BuildOptions& options, const std::string& folder,
                           const std::function<void(double)>& progress, const std::atomic<bool>& cancel) {
   Attempts attempts(input, options, folder, cancel);
-  if (std::string error = write_colmap_database(folder + "/database.db", input.camera, input.images, input.pairs);
-      !error.empty()) {
-    attempts.result.failure = std::move(error);
+  const std::string database = folder + "/database.db";
+  if (const Result<> written = write_colmap_database(database, input.camera, input.images, input.pairs); !written) {
+    attempts.result.best = written.error();
     attempts.result.retryable = true;
     return attempts.result;
   }
@@ -237,16 +243,16 @@ WindowModelResult attempt(const WindowModelInput& input, const BuildOptions& opt
   }
   if (cancel) {
     attempts.result.cancelled = true;
-    attempts.result.failure = "cancelled";
+    attempts.result.best = Error{"cancelled"};
     return attempts.result;
   }
   attempts.choose();
   return attempts.result;
 }
 
-// True if front_tracker has poses of a part of the window, and the model has none of those images.
+// True if images were broken off, and the model has too few of the images that front_tracker has poses of.
 bool is_adrift(const WindowModelInput& input, const WindowModelResult& result) {
-  if (!result.failure.empty() || result.best.broken_off == 0 || !result.best.agreement.empty()) return false;
+  if (!result.best || result.best->broken_off == 0 || !result.best->agreement.empty()) return false;
   std::map<int32_t, size_t> known;
   for (const Sample& sample : input.front) ++known[sample.submap_id];
   return std::any_of(known.begin(), known.end(), [](const auto& submap) { return submap.second >= kMinFrontFrames; });
@@ -260,17 +266,17 @@ WindowModelResult build_window_model(const WindowModelInput& input, const BuildO
   const StageClock clock("ruminator.model");
   WindowModelResult first = attempt(input, options, work_folder, progress, cancel);
   if (!is_adrift(input, first)) return first;
-  // Between sharp and blurred images noise severs more matches than among either kind. With a wider limit a real tear
-  // may be missed, but a model of the blurred images alone would be useless.
+  // Between sharp and blurred images, noise severs more matches than among sharp or among blurred ones. With a wider
+  // limit a real tear may be missed, but a model of the blurred images alone would be useless.
   BuildOptions lenient = options;
   lenient.tear_max_severed = std::max(options.tear_max_severed, kMaxSeveredAdrift);
   const std::string folder = work_folder + "/lenient";
-  std::error_code ignored;  // write_colmap_database reports what is wrong with the folder
+  std::error_code ignored;  // if it fails, write_colmap_database() reports why
   fs::create_directories(folder, ignored);
   WindowModelResult second = attempt(
       input, lenient, folder, [](double) {}, cancel);
-  WindowModelResult& better =
-      second.cancelled || (second.failure.empty() && !second.best.agreement.empty()) ? second : first;
+  const bool has_agreement = second.best && !second.best->agreement.empty();
+  WindowModelResult& better = second.cancelled || has_agreement ? second : first;
   const int attempts = first.attempts + second.attempts;
   const double child_cpu_s = first.child_cpu_s + second.child_cpu_s;
   better.attempts = attempts;

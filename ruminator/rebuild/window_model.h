@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The model of a window: several attempts, each completed and adjusted alike, and the best of them that is credible.
+// Builds the model of a window: makes several attempts, completes and adjusts all of them alike, and chooses the best
+// credible one.
 //
-// 1. the global model (global_model.h), extended by COLMAP's mapper, whose bundle adjustment is free to change the
-//    focal lengths: a false solution bends them;
+// 1. the global model (global_model.h), as it is and extended by COLMAP's mapper;
 // 2. if that leaves images out, or is not credible, COLMAP's mapper alone, from several first pairs;
-// 3. if all images that front_tracker knows were torn off (torn_model.h), the same with a wider limit for tears.
+// 3. if too few of the images that front_tracker knows are left, because they were torn off (torn_model.h): the same
+//    attempts with a wider limit for tears.
 #pragma once
 
 #include <atomic>
@@ -12,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "ruminator/colmap/colmap_mapper.h"
 #include "ruminator/model/front_agreement.h"
 #include "ruminator/rebuild/build_options.h"
@@ -22,19 +24,18 @@ struct WindowModel {
   SparseModel model;
   std::string origin;  // "global model, COLMAP", "COLMAP, first pair at 8 degrees", ...
   ModelQuality quality;
-  int broken_off = 0;             // images left out because nothing connects them, or their scale, to the others
-  bool is_tied_to_front = false;  // front_tracker's poses give the scales of its parts
+  int broken_off = 0;  // images left out because nothing determines their position or scale relative to the others
+  bool is_tied_to_front = false;  // front_tracker's poses determine the scales of its parts
   // Median difference between the model's relative rotations and those of the pairs' essential matrices.
   double pair_rotation_deg = 0;
   std::vector<FrontAgreement> agreement;
-  std::string doubt;  // empty, or why it is not credible
+  Result<> credible;  // an Error with the reason if the model is not credible
 };
 
 struct WindowModelResult {
-  WindowModel best;     // with `failure` empty
-  std::string failure;  // why there is none
+  Result<WindowModel> best = Error{"no model found"};
   bool retryable = false, cancelled = false;
-  std::string warning;  // a problem that did not prevent a model, such as missing COLMAP
+  std::string warning;  // a problem that did not prevent the model, such as missing COLMAP
   int attempts = 0;
   double child_cpu_s = 0;
 };
@@ -42,23 +43,23 @@ struct WindowModelResult {
 struct WindowModelInput {
   const Camera& camera;
   const std::vector<WindowImage>& images;
-  const std::vector<int64_t>& utimes_us;  // of the images
+  const std::vector<int64_t>& utimes_us;  // times of the images
   const std::vector<ImagePair>& pairs;
-  const std::vector<Sample>& front;  // samples that front_tracker has poses of
+  const std::vector<Sample>& front;  // samples for which front_tracker has poses
 };
 
-// Sets agreement, pair_rotation_deg and doubt of a candidate whose model and quality are known. `rotations`: see
-// relative_rotations.
+// Sets agreement, pair_rotation_deg and credible of a candidate whose model and quality are set already. `rotations`:
+// see relative_rotations().
 void judge_model(const WindowModelInput& input, const std::vector<RelativeRotation>& rotations,
                  const BuildOptions& options, WindowModel* candidate);
 
-// Compares the shape of the global model with that of a rival, which COLMAP's mapper began with a pair of images.
-// Returns how they differ, or an empty string. The rival may be larger, but two models that contradict each other
-// cannot both be right, and the first pair may be a wrong one.
-std::string contradiction(const SparseModel& global, const SparseModel& rival, const std::vector<int64_t>& utimes_us,
-                          const BuildOptions& options);
+// Compares the shape of the global model with that of a rival, which COLMAP's mapper began with one pair of images.
+// Returns an Error if they differ too much: two models that contradict each other cannot both be right, and the rival's
+// first pair may be a wrong one. The rival may have more images.
+Result<> compare_shapes(const SparseModel& global, const SparseModel& rival, const std::vector<int64_t>& utimes_us,
+                        const BuildOptions& options);
 
-// `work_folder` exists; the database, the models and the log stay in it.
+// `work_folder` must exist; the database, the models and the log are left in it.
 WindowModelResult build_window_model(const WindowModelInput& input, const BuildOptions& options,
                                      const std::string& work_folder,
                                      const std::function<void(double fraction)>& progress,

@@ -1,35 +1,46 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Can a window be rebuilt at all? These tests refuse hopeless windows before time is spent on them. Each function
-// returns the reason, a sentence for a person, or an empty string.
+// Decides whether a window can be rebuilt at all. This is asked three times, each time with what is known by then, so
+// that little time is wasted on a hopeless window. Each answer is an Error with the reason, a sentence for users, or no
+// Error if the rebuild shall go on.
+//
+//   at_first_look   a few images: does a long gap show anything (first_look.h), and does the camera move?
+//   of_matches      all matches: do they connect the gap with the images around it, and do they show depth?
+//   of_model        the finished model: do its own images prove depth (proof_of_depth.h)?
 #pragma once
 
 #include <atomic>
-#include <set>
-#include <string>
 #include <vector>
 
+#include "base/result.h"
+#include "ruminator/model/sparse_model.h"
 #include "ruminator/rebuild/build_options.h"
+#include "ruminator/rebuild/window_images.h"
 #include "ruminator/window/window_job.h"
 
 namespace rumi::ruminator {
 
-// Looks at a few images of a long gap: do they show anything?
-std::string find_blind_gap(const WindowJob& job, const BuildOptions& options);
+class WindowProspects {
+ public:
+  // `camera`: the working camera. All arguments must outlive this object.
+  WindowProspects(const WindowJob& job, const Camera& camera, const BuildOptions& options,
+                  const std::atomic<bool>& cancel)
+      : job_(job), camera_(camera), options_(options), cancel_(cancel) {}
 
-// Does the camera move, and do matches connect the images of the gap with those around it? camera: of the features;
-// utimes: of the images.
-std::string find_hopeless(const WindowJob& job, const Camera& camera, const std::vector<int64_t>& utimes_us,
-                          const std::vector<SiftFeatures>& images, const std::vector<ImagePair>& pairs,
-                          const BuildOptions& options);
+  Result<> at_first_look(WindowImages& images) const;
+  // `pairs`: verified matches between the images.
+  Result<> of_matches(const UsableImages& images, const std::vector<ImagePair>& pairs) const;
+  Result<> of_model(const UsableImages& images, const std::vector<ImagePair>& pairs, const SparseModel& model) const;
 
-// Do the images in `which` show depth? For each image, the pairs that are farthest apart and the pair with the most
-// parallax are tested. Three images must take part in pairs that show depth. Matches are the verified ones. Returns an
-// empty string if it is cancelled.
-std::string find_no_depth(const Camera& camera, const std::vector<SiftFeatures>& images,
-                          const std::vector<ImagePair>& pairs, const std::set<int>& which,
-                          const std::atomic<bool>& cancel);
+ private:
+  Result<> connects_gap(const UsableImages& images, const std::vector<int>& group) const;
 
-// Do so many frames of the parts in one model serve a purpose: poses for the gap, or a bridge over it?
+  const WindowJob& job_;
+  const Camera& camera_;
+  const BuildOptions& options_;
+  const std::atomic<bool>& cancel_;
+};
+
+// True if one model with this many frames of each part is useful: it has poses for the gap, or bridges it.
 bool is_useful(int approach, int gap, int departure);
 
 }  // namespace rumi::ruminator

@@ -77,7 +77,7 @@ void FrameRing::sweep(const Needed& needed) {
 }
 
 void FrameRing::limit_unsettled(int count) {
-  std::map<int64_t, Frames::iterator> unsettled;  // by arrival
+  std::map<int64_t, Frames::iterator> unsettled;  // unsettled images, by arrival
   for (auto it = frames_.begin(); it != frames_.end(); ++it)
     if (!it->second.is_settled) unsettled.emplace(it->second.arrival, it);
   while (static_cast<int>(unsettled.size()) > count) {
@@ -90,15 +90,14 @@ void FrameRing::limit_unsettled(int count) {
 bool FrameRing::compress(Entry& entry) {
   image_t& image = entry.image;
   if (image.pixelformat == image_t::PIXEL_FORMAT_MJPEG) return true;
-  std::string error;
   const bool is_grey = image.pixelformat == image_t::PIXEL_FORMAT_GRAY;
-  const cv::Mat pixels = is_grey ? decode_grey(image, &error) : decode_bgr(image, &error);
-  if (pixels.empty()) {
+  const Result<cv::Mat> pixels = is_grey ? decode_grey(image) : decode_bgr(image);
+  if (!pixels) {
     ++broken_;
     return false;
   }
   const int64_t size_before = size_of(image);
-  image_t jpeg = make_jpeg_image(image.utime, pixels, jpeg_quality_);
+  image_t jpeg = make_jpeg_image(image.utime, *pixels, jpeg_quality_);
   jpeg.nmetadata = image.nmetadata;
   jpeg.metadata = std::move(image.metadata);
   bytes_ += size_of(jpeg) - size_before;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The images that a window may need, bounded in bytes. Every image waits here until what became of it is known; then it
-// stays for as long as a sample refers to it.
+// Keeps the images that a window may need, up to a number of bytes. Every image waits here for its tracking state;
+// afterwards it stays as long as a sample needs it.
 #pragma once
 
 #include <cstdint>
@@ -19,25 +19,26 @@ class FrameRing {
 
   FrameRing(int64_t max_bytes, int jpeg_quality) : max_bytes_(max_bytes), jpeg_quality_(jpeg_quality) {}
 
-  // Takes an image as it came. False, and counted as dropped, if it does not fit, or counted as broken if it is none
-  // (sizes, format). One that is here already stays as it is.
+  // Adds an image. Returns false if it does not fit (counted as dropped), or if its size or format is invalid (counted
+  // as broken). If the image is here already, changes nothing.
   bool add(const image_t& image);
   bool fits(const image_t& image) const;
-  // That of this stream, else one of this time whose stream is not named.
+  // Returns the image of this stream and time, or else one of this time without a stream; null if there is neither.
   const image_t* find(const ImageId& image) const;
 
-  // The fate of this image is known: it and those that came before it go unless needed. What stays and came
-  // uncompressed is compressed, the newest excepted (most newest ones are not needed a frame later).
+  // To be called when the tracking state of this image is known. Removes it and all that arrived before it, unless they
+  // are needed. Compresses those that stay and came uncompressed, except the image itself, which is mostly not needed
+  // any more one frame later.
   void settle(const ImageId& image, const Needed& needed);
-  // Removes everything that has been settled and is not needed.
+  // Removes all settled images that are not needed.
   void sweep(const Needed& needed);
-  // Removes all but the newest `count` images whose fate is not known. They are counted as dropped.
+  // Keeps only the newest `count` images that are not settled; counts the others as dropped.
   void limit_unsettled(int count);
 
   int64_t bytes() const { return bytes_; }
   int size() const { return static_cast<int>(frames_.size()); }
-  int64_t dropped() const { return dropped_; }  // for want of room
-  int64_t broken() const { return broken_; }    // no images, or raw ones that cannot be compressed
+  int64_t dropped() const { return dropped_; }  // images dropped so far, for lack of room or of their states
+  int64_t broken() const { return broken_; }  // images with invalid data so far, or raw ones that cannot be compressed
 
  private:
   struct Entry {

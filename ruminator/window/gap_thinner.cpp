@@ -8,11 +8,11 @@
 namespace rumi::ruminator {
 namespace {
 
-constexpr size_t kNeighbours = 3;      // on each side, that a frame's sharpness is compared with
-constexpr size_t kMinFrames = 2;       // the first and the last
-constexpr double kMinMotionPx = 1.5;   // since the last sample of a full gap; frames that moved less add nothing
-constexpr double kMaxStep = 3;         // set points that dropping a blurred frame may leave between its neighbours
-constexpr double kMinSharpness = 0.5;  // of the neighbours' median; frames below it are blurred
+constexpr size_t kNeighbours = 3;     // frames on each side with which the sharpness of a frame is compared
+constexpr size_t kMinFrames = 2;      // the first and the last frame
+constexpr double kMinMotionPx = 1.5;  // in a full gap, frames that moved less since the last sample are left out
+constexpr double kMaxStep = 3;        // largest motion between the neighbours of a dropped blurred frame, in set points
+constexpr double kMinSharpness = 0.5;  // least share of the neighbours' median; with less a frame is blurred
 
 }  // namespace
 
@@ -80,7 +80,7 @@ bool GapThinner::is_blurred(size_t index) const {
   for (size_t i = begin; i < end; ++i)
     if (i != index && std::isfinite(frames_[i].sharpness)) neighbours.push_back(frames_[i].sharpness);
   if (neighbours.empty()) return false;
-  // Of an even number the lower: at an edge between two scenes both halves are as they should be.
+  // Takes the lower median, so that next to a cut between two scenes neither side counts as blurred.
   const auto middle = neighbours.begin() + static_cast<std::ptrdiff_t>((neighbours.size() - 1) / 2);
   std::nth_element(neighbours.begin(), middle, neighbours.end());
   return frames_[index].sharpness < kMinSharpness * *middle;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The gap's frames, at most so many: by how far the picture moved and how sharp it is, not by their number alone. At
-// 5 Hz every frame is precious, at 30 Hz most of a slow motion is redundant.
+// Limits the frames of a gap to a cap. It chooses them by the motion of the picture and its sharpness, not by time: at
+// 5 Hz every frame is precious, while at 30 Hz most frames of a slow motion are redundant.
 //
-// - Up to the cap all are kept: what is left out here stays without a pose. From then on a frame that hardly moved
-//   since the last one kept is left out at once.
-// - Beyond the cap one frame goes for each that comes. First those that are blurred beside their neighbours, as long as
-//   these stay near enough to be matched (three set points, kGapMotionPx); then the one whose neighbours are
-//   nearest to each other. So what remains is even in motion, not in time.
-// - The first and the last stay: they tie the gap to what was tracked.
+// - Up to the cap all frames are kept, because a frame left out here gets no pose. Once the cap is reached, a frame
+//   that hardly moved since the last one kept is left out at once.
+// - Beyond the cap, each new frame displaces one. Frames that are blurred compared with their neighbours go first, if
+//   these stay near enough to each other to be matched (within three set points, kGapMotionPx). Otherwise the frame
+//   goes whose neighbours are nearest to each other. So the remaining frames are spread evenly in motion, not in time.
+// - The first and the last frame stay, because they connect the gap with the tracked frames.
 #pragma once
 
 #include <cstdint>
@@ -21,21 +21,21 @@ namespace rumi::ruminator {
 
 struct GapFrame {
   Sample sample;
-  double path_px = 0;    // how far the picture has moved since the window opened; unknown steps count as one set point
-  double sharpness = 0;  // see ImageMeasure; infinity: not measured, and not blurred for all that is known
+  double path_px = 0;    // motion of the picture since the window opened, px; each unknown step counts as one set point
+  double sharpness = 0;  // see ImageMeasure; infinity: not measured, counts as sharp
 };
 
 class GapThinner {
  public:
   explicit GapThinner(int max_frames) : max_frames_(max_frames), cap_(max_frames) {}
 
-  // The next frame, in order of time.
+  // Adds the next frame in order of time.
   void add(const GapFrame& frame);
-  // Frames of any times, in order.
+  // Adds frames at any times; they must be in order among themselves.
   void merge(const std::vector<GapFrame>& frames);
-  // Removes the frame and returns it.
+  // Removes the frame and returns it; nullopt if it is not there.
   std::optional<GapFrame> take(int64_t utime_us);
-  // Halves the frames and the cap; false if there is nothing to halve.
+  // Halves the number of frames and the cap. Returns false if only the first and the last frame are left.
   bool halve();
 
   const std::vector<GapFrame>& frames() const { return frames_; }

@@ -13,17 +13,17 @@
 namespace rumi::ruminator {
 namespace {
 
-constexpr int kMinWidth = 120;  // pixels, of a reduced image
-constexpr int kMinSide = 32;    // pixels, of a reduced image in which motion is looked for
+constexpr int kMinWidth = 120;  // least width of a reduced image, px
+constexpr int kMinSide = 32;    // least width and height of a reduced image for measuring motion, px
 constexpr int kCorners = 100;
-constexpr double kCornerQuality = 0.01;  // of the best corner's
-constexpr double kCornerDistance = 6;    // pixels between two
-constexpr int kMinCorners = 12;          // that returned; fewer say nothing
-constexpr double kMinReturned = 0.3;     // of the corners: an unrelated image lets a few return by chance
-constexpr float kMaxReturnError = 0.7F;  // pixels
-constexpr double kMinEigenvalue = 1e-3;  // of Lucas-Kanade's matrix, which sees noise as texture below it
-constexpr double kMinResponse = 0.2;     // of the correlation's peak: few unrelated images reach it
-constexpr double kContrastFloor = 100;   // grey levels squared: below it the structure is noise
+constexpr double kCornerQuality = 0.01;  // least quality, relative to the best corner
+constexpr double kCornerDistance = 6;    // least distance between two corners, px
+constexpr int kMinCorners = 12;          // fewer corners that return prove nothing
+constexpr double kMinReturned = 0.3;  // least share of corners that return: in an unrelated image a few do so by chance
+constexpr float kMaxReturnError = 0.7F;  // px, between a corner and where it returns to
+constexpr double kMinEigenvalue = 1e-3;  // Lucas-Kanade's limit: below it noise would count as texture
+constexpr double kMinResponse = 0.2;     // least peak of the correlation: few unrelated images reach it
+constexpr double kContrastFloor = 100;   // grey levels squared; noise has a variance of this order
 
 int reduction_for(int width) {
   int reduction = 8;
@@ -68,7 +68,7 @@ std::optional<double> motion_of_picture(const cv::Mat& from, const cv::Mat& to) 
   cv::createHanningWindow(window, from.size(), CV_32F);
   double response = 0;
   const cv::Point2d step = cv::phaseCorrelate(from_float, to_float, window, &response);
-  if (!(response >= kMinResponse)) return std::nullopt;  // NaN for black images
+  if (!(response >= kMinResponse)) return std::nullopt;  // the response is NaN for black images
   return std::hypot(step.x, step.y);
 }
 
@@ -83,10 +83,9 @@ double sharpness_of(const cv::Mat& grey) {
 
 ImageMeasure ImageMotion::measure(const image_t& image) {
   ImageMeasure measure;
-  std::string error;
   const int reduction = reduction_for(image.width);
-  cv::Mat grey = decode_reduced_grey(image, reduction, &error);
-  if (grey.empty()) return measure;  // the next one is compared with the last good one
+  cv::Mat grey = decode_reduced_grey(image, reduction).value_or(cv::Mat());
+  if (grey.empty()) return measure;  // so that the next image is compared with the last good one
   measure.sharpness = sharpness_of(grey);
   if (previous_.size() == grey.size() && std::min(grey.cols, grey.rows) >= kMinSide) {
     measure.motion_px = motion_of_corners(previous_, grey);

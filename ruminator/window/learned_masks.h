@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What front_tracker has learned that never moves in a camera's images (RUMI_MASK). It is put on the images of a window
-// when that is complete: what was learned late holds for those before, too, because it is of the camera.
+// The masks that front_tracker learns: the part of a camera's images that never moves (RUMI_MASK). They are applied to
+// the images of a window when it is complete. A mask belongs to the camera, so it is valid for images from before it
+// was learned, too.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +16,20 @@ namespace rumi::ruminator {
 
 class LearnedMasks {
  public:
-  // The newest of each stream counts. False: it cannot be used.
+  // Keeps the newest mask of each stream. Returns false if the message is malformed.
   bool take(const mask_t& message);
-  // What it leaves out, too, is left out of each of the images of this stream.
+  // Adds the mask of this stream to the masks in the metadata of the images.
   void put_on(std::vector<image_t>* images, int64_t stream) const;
   size_t streams() const { return masks_.size(); }
 
  private:
   struct Learned {
     int64_t session = 0, utime_us = 0;
-    std::string png;  // that can be decoded; empty: nothing is left out
+    std::string png;  // decodable; empty if nothing is masked
   };
   void forget_oldest();
 
-  std::map<int64_t, Learned> masks_;  // by stream
+  std::map<int64_t, Learned> masks_;  // the newest mask of each stream
 };
 
 }  // namespace rumi::ruminator

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A rumination window: which frames around a tracking loss are rebuilt, S = S1 + S2 + S3 of the paper, section IV.B.
+// A rumination window: the frames around a tracking loss that are rebuilt, S = S1 + S2 + S3 in the paper, section IV.B.
 #pragma once
 
 #include <cstdint>
@@ -13,23 +13,23 @@ namespace rumi::ruminator {
 
 struct Sample {
   int64_t utime_us = 0;
-  bool is_keyframe = false;       // of front_tracker
-  int32_t submap_id = kNoSubmap;  // that front_tracker tracked it in
-  SE3 cam_from_submap = {};       // meaningful with a submap_id
+  bool is_keyframe = false;       // whether front_tracker made it a keyframe
+  int32_t submap_id = kNoSubmap;  // the submap in which front_tracker tracked it
+  SE3 cam_from_submap = {};       // valid if submap_id is set
 };
 
 struct RuminationWindow {
-  int32_t id = 0;  // 1, 2, 3, ... in its session; the back submap made of it is -id
+  int32_t id = 0;  // 1, 2, 3, ... within the session; the id of its back submap is -id
   int64_t session = 0;
-  int64_t stream = 0;  // of its images
+  int64_t stream = 0;  // the stream of its images
   int32_t submap_before = kNoSubmap, submap_after = kNoSubmap;
   int64_t lost_utime_us = 0;
-  int64_t resumed_utime_us = 0;                  // 0 while lost
+  int64_t resumed_utime_us = 0;                  // 0 while tracking is lost
   std::vector<Sample> approach, gap, departure;  // S1, S2, S3, each in order of time
-  int gap_frames = 0;  // frames that the gap had in all; what is not in `gap` was thinned out or came without image
-  std::string reason;  // why it ended before it was complete
+  int gap_frames = 0;                            // all frames of the gap, also those thinned out or without an image
+  std::string reason;                            // why the window ended before it was complete; may be empty
 
-  // All of it, in order of time.
+  // Returns all samples, in order of time.
   std::vector<Sample> samples() const {
     std::vector<Sample> all;
     for (const auto* part : {&approach, &gap, &departure}) all.insert(all.end(), part->begin(), part->end());

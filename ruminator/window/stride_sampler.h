@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Samples of tracked frames: every keyframe, because the front submap has landmarks for it and the merge needs frames
-// that both submaps share; between keyframes as many as keep neighbours alike enough to be matched, which is a frame
-// per stride, or sooner when the camera has turned.
+// Samples tracked frames. Every keyframe becomes a sample, because the front submap has landmarks for it, and a merge
+// needs frames that both submaps have. Between keyframes, one frame per stride is enough for neighbours to match; if
+// the camera has turned, the next sample comes sooner.
 #pragma once
 
 #include <cstdlib>
@@ -16,9 +16,9 @@ class StrideSampler {
  public:
   explicit StrideSampler(int stride) : stride_(stride) {}
 
-  // The next frame, tracked in the same submap as those before. A keyframe takes the place of the sample up to half a
-  // stride before it, if that is no keyframe, not needed as a bridge, and not the first: after a loss that is the
-  // nearest to the gap. A frame without image is counted only.
+  // Adds the next frame, which must be tracked in the same submap as the previous ones. A keyframe replaces a sample up
+  // to half a stride before it, if that is no keyframe and not needed as a bridge. The first sample is never replaced:
+  // after a loss it is the one nearest to the gap. A frame without an image is only counted.
   void add(const Sample& frame, bool has_image) {
     ++since_last_;
     if (!has_image) return;
@@ -30,8 +30,8 @@ class StrideSampler {
     samples_.push_back(frame);
     since_last_ = 0;
   }
-  // Leaves the newest `count` samples and, of those before, the keyframes that are among the newest `keyframes`. The
-  // front found enough in common between one keyframe and the next: they need no samples between them.
+  // Keeps the newest `count` samples, and of the older ones those among the newest `keyframes` keyframes. Keyframes
+  // need no samples between them: front_tracker found enough in common between successive ones.
   void keep_newest(int count, int keyframes) {
     std::deque<Sample> kept;
     int samples_seen = 0, keyframes_seen = 0;
@@ -41,11 +41,11 @@ class StrideSampler {
     }
     samples_.swap(kept);
   }
-  // The newest frame, whether it is due or not.
+  // Adds the newest frame even if no sample is due.
   void add_last(const Sample& frame) {
     if (samples_.empty() || samples_.back().utime_us < frame.utime_us) samples_.push_back(frame);
   }
-  // Removes the sample of that time; false if there is none.
+  // Removes the sample of that time. Returns false if there is none.
   bool take(int64_t utime_us) {
     return std::erase_if(samples_, [utime_us](const Sample& s) { return s.utime_us == utime_us; }) > 0;
   }
@@ -62,7 +62,7 @@ class StrideSampler {
 
  private:
   bool has_turned(const Sample& from, const Sample& to) const {
-    constexpr double kMaxTurnRad = 5 * std::numbers::pi / 180.0;  // at a low frame rate a stride may be too much
+    constexpr double kMaxTurnRad = 5 * std::numbers::pi / 180.0;  // at a low rate a stride may turn farther
     return (to.cam_from_submap * from.cam_from_submap.inverse()).angle_rad() > kMaxTurnRad;
   }
   bool can_replace_last(const Sample& frame) const {
@@ -71,7 +71,7 @@ class StrideSampler {
   }
 
   int stride_;
-  int since_last_ = 0;  // frames
+  int since_last_ = 0;  // frames since the last sample
   std::deque<Sample> samples_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A window as announced on RUMI_WINDOW.
+// Converts a window to the message on RUMI_WINDOW and to text.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace rumi::ruminator {
 
-// utime is the announcement's.
+// `utime_us`: time of the announcement.
 window_t to_message(const RuminationWindow& window, int64_t utime_us, int8_t state);
 
-// For a person: "10 + 45 of 60 + 12 frames between submap 1 and submap 2 (9 + 8 keyframes)".
+// Returns a text for users: "10 + 45 of 60 + 12 frames between submap 1 and submap 2 (9 + 8 keyframes)".
 std::string describe(const RuminationWindow& window);
 
 }  // namespace rumi::ruminator

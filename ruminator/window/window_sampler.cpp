@@ -12,12 +12,14 @@
 namespace rumi::ruminator {
 namespace {
 
-// Frames that may yet get a pose, and some more: what is said of others is counted as late.
+// Only this many of the newest frames without a pose may still get one. Messages about older ones are ignored and
+// counted.
 constexpr size_t kMaxUntracked = 1000;
 static_assert(kMaxUntracked >= kMostRetoldFrames);
-// Samples before a loss that front_tracker may yet withdraw: one in a stride, and some keyframes between.
+// front_tracker may still withdraw the poses of this many samples before a loss: one per stride, and some keyframes.
 constexpr int kMayBeWithdrawn = kMostRetoldFrames / 3;
-// Samples after resuming that complete the window anyway, for a camera that stands still.
+// At this many samples after resuming the window is complete in any case, because a camera that stands still makes no
+// keyframes.
 constexpr int kMaxDeparture = 40;
 
 std::vector<Sample> list(const StrideSampler& sampler) { return {sampler.samples().begin(), sampler.samples().end()}; }
@@ -34,7 +36,7 @@ std::optional<RuminationWindow> WindowSampler::process(const FrameEvent& frame) 
   if (!has_begun_ || frame.session != session_) {
     std::optional<RuminationWindow> ended = finish("front_tracker was started again");
     start_session(frame);
-    process(frame);  // the first frame of a session opens a window or not, but ends none
+    process(frame);  // the first frame of a session may open a window, but cannot end one
     return ended;
   }
   if (is_late(frame)) {
@@ -102,7 +104,7 @@ void WindowSampler::resume(const FrameEvent& frame) {
                     .all = GapThinner(options_.gap_max_frames),
                     .in_known_submap = known_submaps_.contains(frame.submap_id)};
   for (const LatePose& late : late_poses) {
-    // Its submap has not been heard of again, or frames after it have no pose yet: it lies in the gap.
+    // The frame belongs to the gap if its submap is not the one that is tracked now, or if later frames have no pose.
     const bool in_gap = !open_->untracked.empty() && late.frame.sample.utime_us < *open_->untracked.rbegin();
     if (in_gap || late.frame.sample.submap_id != frame.submap_id) {
       if (late.has_image) open_->gap.merge({late.frame});
@@ -131,7 +133,7 @@ bool WindowSampler::on_late_pose(const FrameEvent& frame) {
   late.sample = sample_of(frame);
   if (Gap* const gap = lost()) {
     gap->late_poses.push_back({late, sampled.has_value()});
-  } else {  // after the frame that it was to precede: too late to be a sample of the departure
+  } else {  // too late to be a sample: the departure has later frames already
     --window.gap_frames;
     window.resumed_utime_us = std::min(window.resumed_utime_us, frame.utime_us);
   }
@@ -140,7 +142,9 @@ bool WindowSampler::on_late_pose(const FrameEvent& frame) {
 }
 
 bool WindowSampler::on_withdrawn(int64_t utime_us) {
-  if (submap_ != kNoSubmap && utime_us >= tracked_since_us_) {  // found again in the very image that was lost
+  // Tests whether the withdrawn pose is of the submap tracked now: then the loss was in the very image in which
+  // tracking resumed.
+  if (submap_ != kNoSubmap && utime_us >= tracked_since_us_) {
     if (open_) {
       extend_window();
     } else {
@@ -161,7 +165,7 @@ bool WindowSampler::on_withdrawn(int64_t utime_us) {
   return true;
 }
 
-// Nothing if the frame is no sample; it is part of the gap all the same.
+// Returns nullopt if the frame is not a sample. It counts as a frame of the gap all the same.
 std::optional<GapFrame> WindowSampler::take_from_approach(int64_t utime_us) {
   ++open_->window.gap_frames;
   open_->window.lost_utime_us = std::min(open_->window.lost_utime_us, utime_us);
@@ -170,7 +174,7 @@ std::optional<GapFrame> WindowSampler::take_from_approach(int64_t utime_us) {
       std::count_if(samples.begin(), samples.end(), [&](const Sample& s) { return s.utime_us >= utime_us; });
   if (!open_->before.take(utime_us)) return std::nullopt;
   list_approach();
-  // Nobody has looked how its picture moved, nor how sharp it is: nothing speaks against it.
+  // Its motion and sharpness were not measured, so it counts as sharp.
   return GapFrame{.sample = {},
                   .path_px = -kGapMotionPx * static_cast<double>(newer),
                   .sharpness = std::numeric_limits<double>::infinity()};
@@ -227,7 +231,7 @@ void WindowSampler::begin_window(int64_t utime_us) {
                      .untracked = {},
                      .part = Gap()};
   if (submap_ == kNoSubmap) return;
-  // The last tracked frame is the nearest to the gap and ties it to the submap.
+  // The last tracked frame is nearest to the gap and connects it with the submap.
   if (last_tracked_) approach_.add_last(*last_tracked_);
   open_->before = approach_;
   open_->before_since_us = tracked_since_us_;
@@ -262,7 +266,7 @@ bool WindowSampler::thin_gap() {
 
 std::optional<RuminationWindow> WindowSampler::close(const std::string& reason) {
   if (const Gap* const gap = lost())
-    for (const LatePose& late : gap->late_poses)  // of a submap that was never heard of again
+    for (const LatePose& late : gap->late_poses)  // poses in submaps that were not tracked again
       if (late.has_image) open_->gap.merge({late.frame});
   list_samples();
   RuminationWindow window = std::move(open_->window);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What an image shows, as keypoints.
+// The keypoints of an image.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,23 +15,23 @@ inline constexpr int kNone = -1;  // no keyframe, landmark or keypoint
 
 struct Keypoint {
   Eigen::Vector2f pixel;  // as detected, lens distortion included
-  float angle_rad = 0;    // of the intensity centroid, x towards y
+  float angle_rad = 0;    // direction to the intensity centroid, x towards y
   uint8_t octave = 0;     // pyramid level, 0 = full resolution
 };
 
-// What a frame saw. The first three have the same length. Nothing but the place of a keypoint ever changes, and that
-// only while whoever found it is at work on it (front_tracker/patches/align_keypoints.h).
+// The keypoints of a frame. The first three vectors have the same length. Once made, only the pixel of a keypoint may
+// change, and only while its maker aligns it (front_tracker/patches/align_keypoints.h).
 struct Features {
   std::vector<Keypoint> keypoints;
   std::vector<Descriptor> descriptors;
-  // The keypoints' pixels without lens distortion (Camera::undistort): derived, never on the wire.
+  // The keypoints' pixels without lens distortion (Camera::undistort); derived from `keypoints`, never transmitted.
   std::vector<Eigen::Vector2f> undistorted;
-  // In which directions their places are known (slam/features/keypoint_whitening.h); known to the extractor only, empty
-  // elsewhere.
+  // How precisely a pixel is known in each direction (slam/features/keypoint_whitening.h). Filled where the image is at
+  // hand (by OrbExtractor and add_keypoint()), otherwise empty.
   std::vector<Eigen::Matrix2f> whitenings;
 
   size_t size() const { return keypoints.size(); }
-  // The identity where nothing is known.
+  // Returns the identity if `whitenings` is empty.
   Eigen::Matrix2d whitening(size_t keypoint) const;
   void undistort(const Camera& camera);
   void move(size_t keypoint, const Eigen::Vector2f& pixel, const Camera& camera);

@@ -26,7 +26,8 @@ double ImageMask::left_out() const {
 
 ImageMask ImageMask::resized(const cv::Size& size) const {
   if (is_everything() || pixels_.size() == size) return *this;
-  constexpr double kAll = 1 - 1e-6;  // in floats: in bytes a speck's share would be rounded away
+  constexpr double kAll = 1 - 1e-6;  // least share of world of a pixel that shows the world; in floats, because bytes
+                                     // would round a speck away
   cv::Mat world, smaller;
   cv::Mat(pixels_ != 0).convertTo(world, CV_32F, 1.0 / 255);
   cv::resize(world, smaller, size, 0, 0, cv::INTER_AREA);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which pixels of an image show the world: no landmark is made of the others (a bonnet, a caption, a lens's rim).
+// The pixels of an image that show the world. The others (a bonnet, a caption, a lens's rim) give no landmarks.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,26 +10,26 @@ namespace rumi {
 class ImageMask {
  public:
   ImageMask() = default;  // every pixel shows the world
-  // 8-bit grey of the image's size; 0 is left out.
+  // `pixels`: 8-bit grey, as large as the image. Pixels of 0 are left out.
   explicit ImageMask(const cv::Mat& pixels);
 
-  // Every pixel shows the world.
+  // True if the mask leaves out no pixel.
   bool is_everything() const { return clearance_.empty(); }
-  // Whether nothing nearer than `margin_px` to the pixel is left out; beyond the image it is as at its border.
+  // True if every pixel within `margin_px` shows the world. Outside the image, the nearest pixel of its border decides.
   bool allows(const Eigen::Vector2f& pixel, float margin_px = 0) const;
-  // Share of the pixels that are left out.
+  // Returns the share of the pixels that are left out, 0 to 1.
   double left_out() const;
-  // As it was given; empty for everything.
+  // Returns the pixels given to the constructor; empty if every pixel shows the world.
   const cv::Mat& pixels() const { return pixels_; }
 
-  // The same for an image of another size: a pixel is left out if any part of it is.
+  // Returns the mask for an image of another size. A pixel is left out if this mask leaves out any part of it.
   ImageMask resized(const cv::Size& size) const;
-  // What both show. Both are of one size, or everything.
+  // Returns the pixels that both masks show. The masks must have the same size, or show everything.
   ImageMask and_also(const ImageMask& other) const;
 
  private:
   cv::Mat pixels_;
-  cv::Mat clearance_;  // float: distance to the nearest pixel that is left out, px
+  cv::Mat clearance_;  // distance to the nearest pixel that is left out, px, as float
 };
 
 }  // namespace rumi

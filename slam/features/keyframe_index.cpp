@@ -9,7 +9,7 @@
 namespace rumi {
 
 KeyframeIndex::KeyframeIndex() : chains_(kTables << kBits) {
-  std::mt19937 rng(20231);  // fixed: the same index everywhere
+  std::mt19937 rng(20231);  // fixed, so that the index is the same everywhere
   for (auto& table : bits_) {
     std::array<uint8_t, 256> positions;
     for (int i = 0; i < 256; ++i) positions[i] = static_cast<uint8_t>(i);
@@ -49,15 +49,16 @@ void KeyframeIndex::add(int64_t keyframe, const std::vector<Descriptor>& descrip
 void KeyframeIndex::insert(uint32_t entry, Chain* chain) {
   const uint32_t at = chain->count % kPerBlock;
   if (chain->count > 0 && blocks_[chain->first].entries[(chain->count - 1) % kPerBlock] == entry)
-    return;  // a word twice
+    return;  // the keyframe has this word twice
   if (at == 0) chain->first = make_block(chain->first);
   blocks_[chain->first].entries[at] = entry;
   ++chain->count;
 }
 
-// The latest of the chain takes the place of what goes.
+// Puts the last entry of the chain in the place of the erased one.
 void KeyframeIndex::erase(uint32_t entry, Chain* chain) {
-  uint32_t in_block = (chain->count + kPerBlock - 1) % kPerBlock + 1;  // of the first; all others are full
+  uint32_t in_block = (chain->count + kPerBlock - 1) % kPerBlock + 1;  // entries in the first block; all other blocks
+                                                                       // are full
   uint32_t left = chain->count;
   for (uint32_t b = chain->first; left > 0; left -= in_block, in_block = kPerBlock, b = blocks_[b].next)
     for (uint32_t i = 0; i < in_block; ++i) {
@@ -105,7 +106,7 @@ std::vector<KeyframeIndex::Candidate> KeyframeIndex::query(const std::vector<Des
     for (const Descriptor& d : descriptors) {
       const Chain& chain = chains_[chain_of(t, hash(d, t))];
       if (chain.count == 0) continue;
-      // A word that every keyframe has says nothing (inverse document frequency).
+      // A word that most keyframes have says little about which one it is (inverse document frequency).
       const double weight = std::log(all / chain.count);
       uint32_t in_block = (chain.count - 1) % kPerBlock + 1, left = chain.count;
       for (uint32_t b = chain.first; left > 0; left -= in_block, in_block = kPerBlock, b = blocks_[b].next)

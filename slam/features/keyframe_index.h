@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which keyframes look like this image? Locality-sensitive hashing of binary descriptors (Indyk and Motwani, STOC 1998:
-// bit sampling for the Hamming distance): incremental, no vocabulary, no training.
+// Finds the keyframes that look like an image. Locality-sensitive hashing of binary descriptors (Indyk and Motwani,
+// STOC 1998: bit sampling for the Hamming distance): incremental, no vocabulary, no training.
 #pragma once
 
 #include <array>
@@ -16,10 +16,10 @@ namespace rumi {
 class KeyframeIndex {
  public:
   KeyframeIndex();
-  // `keyframe` is any number the caller chooses; what was there under it is replaced.
+  // `keyframe` is any number that the caller chooses. An earlier entry with this number is replaced.
   void add(int64_t keyframe, const std::vector<Descriptor>& descriptors);
   void remove(int64_t keyframe);
-  // Removes all for which gone(keyframe) is true.
+  // Removes all keyframes for which gone(keyframe) is true.
   template <class Gone>
   void remove_if(Gone gone) {
     for (auto it = number_of_.begin(); it != number_of_.end();) {
@@ -31,9 +31,10 @@ class KeyframeIndex {
 
   struct Candidate {
     int64_t keyframe = 0;
-    double score = 0;  // weighted votes, relative to the number of descriptors on either side
+    double score = 0;  // weighted votes, divided by the geometric mean of the two images' numbers of descriptors
   };
-  // The best candidates first, at most `count`. Ties are broken by number: deterministic.
+  // Returns the best candidates first, at most `count`. Equal scores are in order of `keyframe`, so it is
+  // deterministic.
   std::vector<Candidate> query(const std::vector<Descriptor>& descriptors, size_t count) const;
 
  private:
@@ -45,14 +46,14 @@ class KeyframeIndex {
     int64_t keyframe = 0;
     std::vector<uint16_t> words;  // hashes of its descriptors, table after table
   };
-  // The entries that have a word, some at a time.
+  // Up to kPerBlock entries that have the same word.
   struct Block {
     std::array<uint32_t, kPerBlock> entries;
     uint32_t next;
   };
   struct Chain {
     uint32_t first = kNoBlock;  // the only block that may not be full
-    uint32_t count = 0;         // of entries
+    uint32_t count = 0;         // number of entries
   };
   uint16_t hash(const Descriptor& d, int table) const;
   static size_t chain_of(int table, uint16_t word) { return (static_cast<size_t>(table) << kBits) + word; }
@@ -60,10 +61,10 @@ class KeyframeIndex {
   void erase(uint32_t entry, Chain* chain);
   uint32_t make_block(uint32_t next);
 
-  std::array<std::array<uint8_t, kBits>, kTables> bits_;  // sampled positions
-  std::vector<Chain> chains_;                             // by chain_of()
+  std::array<std::array<uint8_t, kBits>, kTables> bits_;  // descriptor bits that make up a word, by table
+  std::vector<Chain> chains_;                             // indexed by chain_of()
   std::vector<Block> blocks_;
-  uint32_t free_block_ = kNoBlock;  // those that are free are a chain too
+  uint32_t free_block_ = kNoBlock;  // first of the chain of free blocks
   std::vector<Entry> entries_;
   std::vector<uint32_t> free_entries_;
   std::map<int64_t, uint32_t> number_of_;  // index into entries_, by keyframe

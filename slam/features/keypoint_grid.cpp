@@ -4,7 +4,8 @@
 namespace rumi {
 
 KeypointGrid::KeypointGrid(const std::vector<Eigen::Vector2f>& points, const Camera& camera)
-    : columns_(static_cast<int>(camera.width / kCell) + 1), rows_(static_cast<int>(camera.height / kCell) + 1) {
+    : columns_(static_cast<int>(static_cast<float>(camera.width) / kCell) + 1),
+      rows_(static_cast<int>(static_cast<float>(camera.height) / kCell) + 1) {
   const size_t cells = static_cast<size_t>(columns_) * rows_;
   start_.assign(cells + 1, 0);
   std::vector<int> cell(points.size());

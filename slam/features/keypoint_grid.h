@@ -13,8 +13,8 @@ namespace rumi {
 class KeypointGrid {
  public:
   KeypointGrid() = default;
-  // Points (pixels of the camera) may lie outside the image a little (undistorted ones do): they count to the border
-  // cells.
+  // `points`: pixels of the camera. If undistorted, they may lie a little outside the image: the border cells take
+  // them.
   KeypointGrid(const std::vector<Eigen::Vector2f>& points, const Camera& camera);
 
   // Calls visit(index) for every point whose cell touches the square of side 2 * radius_px around center; the caller
@@ -28,15 +28,16 @@ class KeypointGrid {
   }
 
  private:
-  static constexpr float kCell = 16;  // pixels
+  static constexpr float kCell = 16;  // side of a cell in pixels
   int column(float x) const { return cell(x, columns_); }
   int row(float y) const { return cell(y, rows_); }
-  // However far outside; NaN counts to the first one. Compared as floats: not every one fits an int.
+  // Clamps to the border cells; NaN gives the first. Compares floats because a large one does not fit an int.
   static int cell(float at, int count) {
     return at > 0 ? static_cast<int>(std::min(at / kCell, static_cast<float>(count - 1))) : 0;
   }
   int columns_ = 1, rows_ = 1;
-  std::vector<int> start_{0, 0};  // per cell, where its points begin in index_; one past the end at the end
+  std::vector<int> start_{0, 0};  // index_[start_[cell]] is the cell's first point; the last element is the end of
+                                  // index_
   std::vector<int> index_;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// In which direction the place of a keypoint is known. That of a corner is known in all; what a corner detector finds
-// on an edge may lie anywhere along it, and the nearest of such keypoints is taken for the landmark: it agrees with
-// whatever was predicted.
+// How precisely a keypoint's pixel is known in each direction. A corner is known well in all directions. A keypoint on
+// an edge may have been detected anywhere along it. Matching takes the keypoint nearest to the prediction, so one on an
+// edge seems to agree with any prediction.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,10 +9,11 @@
 
 namespace rumi {
 
-// By the structure tensor of the 9 x 9 pixels around `at`, an 8-bit image's pixel with 5 more on every side: the
-// covariance of a place is proportional to its inverse (Kanazawa and Kanatani, "Do We Really Have to Consider
-// Covariance Matrices for Image Features?", ICCV 2001). Returns the symmetric matrix that makes errors in pixels
-// comparable: 1 across an edge, 1/6 at least along it; the identity for corners.
+// Returns the symmetric matrix that makes errors in pixels comparable: it weighs them by 1 across an edge and by at
+// least 1/6 along it, and is the identity for corners. The covariance of a keypoint's pixel is proportional to the
+// inverse of the structure tensor, here of the 9 x 9 pixels around `at` (Kanazawa and Kanatani, "Do We Really Have to
+// Consider Covariance Matrices for Image Features?", ICCV 2001). `image` has 8 bits; `at` is at least 5 pixels from its
+// border.
 Eigen::Matrix2f keypoint_whitening(const cv::Mat& image, const cv::Point2f& at);
 
 }  // namespace rumi

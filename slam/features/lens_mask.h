@@ -6,8 +6,8 @@
 
 namespace rumi {
 
-// Of the camera's size. Leaves out the pixels beyond the fold of its distortion (slam/geometry/lens_fold.h): what is
-// seen there cannot be told.
+// Returns a mask of the camera's size. It leaves out the pixels beyond the fold of the distortion
+// (slam/geometry/lens_fold.h), which belong to no ray.
 ImageMask lens_mask(const Camera& camera);
 
 }  // namespace rumi

@@ -23,7 +23,7 @@ std::vector<Match> match_features(const Features& first, const std::vector<int>&
                                   const MatchOptions& options) {
   const std::vector<int> rows = all_if_empty(first_selection, first.size());
   const std::vector<int> columns = all_if_empty(second_selection, second.size());
-  // Whatever is farther can be neither a match nor the second best that refuses one.
+  // A descriptor that is farther away is neither a match nor a second best that could refuse one.
   const double refusing = options.max_ratio > 0 ? options.max_distance / options.max_ratio : 256;
   const int farthest = std::max(options.max_distance, static_cast<int>(std::min(256.0, std::ceil(refusing))));
   std::vector<Descriptor> column_descriptors;
@@ -66,7 +66,8 @@ void keep_consistent_rotations(const Features& first, const Features& second, st
   std::erase_if(*matches, [&](const Match& m) {
     const int b = bin(m);
     if (b == order[0]) return false;
-    // The second and third bin count only if they hold a fair share: neighbours that the border cut off.
+    // The second and third bin count only if they hold a fair share: then the border of a bin may have cut one peak in
+    // two.
     for (int i = 1; i < 3; ++i)
       if (b == order[i] && 10 * histogram[b] >= histogram[order[0]]) return false;
     return true;

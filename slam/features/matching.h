@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Matching of binary descriptors, by brute force within a search region.
+// Brute-force matching of binary descriptors.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,9 +10,9 @@
 
 namespace rumi {
 
-// The nearest of the candidates for one descriptor, and how near the next one is.
+// The nearest of the candidates for one descriptor, and the distance of the second nearest.
 struct BestMatch {
-  int distance = 257, second_distance = 257;  // Hamming; 257: none
+  int distance = 257, second_distance = 257;  // Hamming; 257 if there is none
   int index = kNone;
   void offer(int offered_distance, int offered_index) {
     if (offered_distance < distance) {
@@ -26,9 +26,9 @@ struct BestMatch {
 };
 
 struct MatchOptions {
-  int max_distance = 60;       // Hamming, of 256 bits
-  double max_ratio = 0.8;      // best over second best distance
-  bool check_rotation = true;  // keep only the matches whose keypoints turned as most did
+  int max_distance = 60;       // Hamming distance of a match (of 256 bits), at most
+  double max_ratio = 0.8;      // best distance / second best distance, at most
+  bool check_rotation = true;  // keep only matches whose keypoints turned as most others did
 };
 
 struct Match {
@@ -37,12 +37,13 @@ struct Match {
   int distance = 0;
 };
 
-// Mutually best matches between the selected features (all if the selection is empty), in order of `first`.
+// Returns the mutually best matches of the selected features (of all if a selection is empty), in order of `first`.
 std::vector<Match> match_features(const Features& first, const std::vector<int>& first_selection,
                                   const Features& second, const std::vector<int>& second_selection,
                                   const MatchOptions& options);
 
-// Keeps the matches that fall into the three fullest of 30 bins of the difference in keypoint angle.
+// Keeps the matches in the fullest of 30 bins of the difference in keypoint angle, and in the second and third fullest
+// if they hold at least a tenth as many.
 void keep_consistent_rotations(const Features& first, const Features& second, std::vector<Match>* matches);
 
 }  // namespace rumi

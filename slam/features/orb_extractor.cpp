@@ -14,18 +14,18 @@
 namespace rumi {
 namespace {
 
-constexpr int kPatchRadius = 15;     // of the intensity centroid and of BRIEF's pattern
-constexpr int kClearThreshold = 14;  // grey levels; OrbOptions::fast_threshold is for images with little to see
-constexpr float kFastRadius = 3;     // pixels of the level that decide whether there is a corner
-constexpr double kPlenty = 2.5;      // corners for each that is wanted
+constexpr int kPatchRadius = 15;     // pixels of the level, for the intensity centroid and BRIEF's pattern
+constexpr int kClearThreshold = 14;  // grey levels; OrbOptions::fast_threshold is lower, for images with few corners
+constexpr float kFastRadius = 3;     // radius that FAST looks at, pixels of the level
+constexpr double kPlenty = 2.5;      // clear corners per wanted keypoint from which on faint corners are not needed
 
-// What a pixel of the patch weighs in its moments: its coordinates, or nothing outside the circle. The last column is
-// always outside: a row is 32 pixels, whole vectors.
+// The weights of a patch's pixels in its moments: their coordinates, and 0 outside the circle. The last column is
+// always outside: it makes a row 32 pixels long, a whole number of vectors.
 struct PatchRow {
   std::array<int16_t, 2 * kPatchRadius + 2> x{}, y{};
 };
 
-// By distance from the centre's row.
+// Returns the weights by distance from the centre's row.
 const std::array<PatchRow, kPatchRadius + 1>& patch_rows() {
   static const std::array<PatchRow, kPatchRadius + 1> rows = [] {
     std::array<PatchRow, kPatchRadius + 1> weights{};
@@ -41,7 +41,7 @@ const std::array<PatchRow, kPatchRadius + 1>& patch_rows() {
   return rows;
 }
 
-// Direction from the corner to the intensity centroid of the patch around it (Rosin 1999; ORB section 3.2).
+// Returns the direction from the corner to the intensity centroid of its patch (Rosin 1999; ORB section 3.2).
 float centroid_angle(const cv::Mat& image, const cv::Point2f& at) {
   const uchar* left = image.ptr<uchar>(cvRound(at.y)) + cvRound(at.x) - kPatchRadius;
   const auto stride = static_cast<std::ptrdiff_t>(image.step1());
@@ -59,9 +59,9 @@ float centroid_angle(const cv::Mat& image, const cv::Point2f& at) {
   return std::atan2(static_cast<float>(cv::v_reduce_sum(m01)), static_cast<float>(cv::v_reduce_sum(m10)));
 }
 
-// Indices of the corners, strongest first, those of one strength in the order given.
+// Returns the indices of the corners, strongest first; equally strong ones keep their order.
 std::vector<int> strongest_first(const std::vector<cv::KeyPoint>& corners) {
-  constexpr int kStrengths = 256;  // FAST's scores
+  constexpr int kStrengths = 256;  // FAST's scores are below this
   const auto rank = [](const cv::KeyPoint& k) { return kStrengths - 1 - static_cast<int>(k.response); };
   std::array<int, kStrengths + 1> next{};
   for (const cv::KeyPoint& k : corners) ++next[rank(k) + 1];
@@ -71,7 +71,8 @@ std::vector<int> strongest_first(const std::vector<cv::KeyPoint>& corners) {
   return order;
 }
 
-// The strongest of every cell in turns (first each cell's best, then each cell's second, ...) until there are `wanted`.
+// Takes the strongest corners of every cell in turns (each cell's best, then each cell's second ...) until there are
+// `wanted`.
 std::vector<cv::KeyPoint> spread(const std::vector<cv::KeyPoint>& corners, int wanted, int cell_px,
                                  const cv::Size& size) {
   const int columns = size.width / cell_px + 1, rows = size.height / cell_px + 1;
@@ -90,7 +91,7 @@ std::vector<cv::KeyPoint> spread(const std::vector<cv::KeyPoint>& corners, int w
   return kept;
 }
 
-// How many keypoints each level gets: in proportion to its area.
+// Returns the number of keypoints wanted of each level, in proportion to its area.
 std::vector<int> quotas(const OrbOptions& options, int keypoints) {
   const double factor = options.pyramid.scale_factor, ratio = 1.0 / (factor * factor);
   double share = (1 - ratio) / (1 - std::pow(ratio, options.pyramid.levels));
@@ -111,7 +112,7 @@ OrbExtractor::OrbExtractor(const OrbOptions& options)
       describer_(cv::ORB::create(options.keypoints, static_cast<float>(options.pyramid.scale_factor), 1, kOrbBorder_px,
                                  0, 2, cv::ORB::FAST_SCORE, 2 * kPatchRadius + 1)) {}
 
-// Clear ones where there is plenty of them: the faint ones would be left over in the end, and finding them costs most.
+// Returns only clear corners if there are plenty: spread() would choose no faint ones, and finding those costs most.
 std::vector<cv::KeyPoint> OrbExtractor::find_corners(const cv::Mat& image, int octave, int wanted) {
   const int clear = std::max(kClearThreshold, options_.fast_threshold);
   const auto is_plenty = [&](auto corners) { return static_cast<double>(corners) >= kPlenty * wanted; };
@@ -130,7 +131,7 @@ std::vector<cv::KeyPoint> OrbExtractor::find_corners(const cv::Mat& image, int o
 
 std::vector<cv::KeyPoint> OrbExtractor::detect(const ImagePyramid& pyramid, int octave, int wanted) {
   const cv::Mat& level = pyramid.level(octave);
-  const int inset = kOrbBorder_px - 3;  // FAST itself leaves 3 pixels
+  const int inset = kOrbBorder_px - 3;  // FAST finds nothing within 3 pixels of the border
   const cv::Rect inner(inset, inset, level.cols - 2 * inset, level.rows - 2 * inset);
   std::vector<cv::KeyPoint> corners = find_corners(level(inner), octave, wanted);
   if (!pyramid.mask().is_everything())

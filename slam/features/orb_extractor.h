@@ -13,23 +13,24 @@
 
 namespace rumi {
 
-// Keypoints keep away from the border as far as the rotated pattern reaches, in pixels of the level.
+// Keypoints keep this distance (pixels of the level) from the image's border: as far as the rotated pattern reaches.
 inline constexpr int kOrbBorder_px = 19;
 
 struct OrbOptions {
-  int keypoints = 1000;  // wanted per image; fewer where the image has no more
+  int keypoints = 1000;  // wanted per image; an image may have fewer
   Pyramid pyramid;
-  int fast_threshold = 7;  // grey levels; the grid keeps the strongest, so a low one costs little
+  int fast_threshold = 7;  // least contrast of a corner, grey levels; a low one costs little because the grid keeps the
+                           // strongest
   int cell_px = 24;        // side of a grid cell, at every level
 };
 
 class OrbExtractor {
  public:
   explicit OrbExtractor(const OrbOptions& options);
-  // The pyramid that extract() looks at, of an 8-bit grey image no smaller than 64 x 64 pixels; shares its pixels.
+  // Makes the pyramid for extract(). `grey`: 8 bits, at least 64 x 64 pixels; the pyramid shares its pixels.
   ImagePyramid pyramid(const cv::Mat& grey, const ImageMask& mask = {}) const;
-  // `keypoints` overrides the wanted number if positive. Pixels are full-resolution ones. There are none where the
-  // pyramid's mask leaves something out. Deterministic.
+  // `keypoints`, if positive, replaces OrbOptions::keypoints. The keypoints' pixels are those of the full image. Pixels
+  // that the pyramid's mask leaves out give no keypoints. Deterministic.
   Features extract(const ImagePyramid& pyramid, int keypoints = 0);
   Features extract(const cv::Mat& grey, int keypoints = 0) { return extract(pyramid(grey), keypoints); }
 
@@ -37,8 +38,8 @@ class OrbExtractor {
   std::vector<cv::KeyPoint> find_corners(const cv::Mat& image, int octave, int wanted);
   std::vector<cv::KeyPoint> detect(const ImagePyramid& pyramid, int octave, int wanted);
   OrbOptions options_;
-  // Per level, of the last image: whether it had few clear corners. So will the next one, most likely; nothing but time
-  // depends on it.
+  // By level: true if the last image had few clear corners, as the next one probably has. That saves time and does not
+  // change the result.
   std::vector<bool> lacks_clear_;
   cv::Ptr<cv::ORB> describer_;
 };

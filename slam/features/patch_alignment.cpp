@@ -10,26 +10,26 @@ namespace rumi {
 namespace {
 
 constexpr int kRadius = PatchTemplate::kRadius, kRows = PatchTemplate::kRows, kColumns = PatchTemplate::kColumns;
-constexpr float kNoise = 5;     // grey levels: standard deviation of a difference, interpolation included
-constexpr float kPrior = 0.5F;  // pixels of the level: standard deviation of the place given
-constexpr float kMaxShift = 2;  // pixels of the level
+constexpr float kNoise = 5;     // standard deviation of a difference in grey levels, interpolation included
+constexpr float kPrior = 0.5F;  // standard deviation of the given place, pixels of the level
+constexpr float kMaxShift = 2;  // largest distance from the given place, pixels of the level
 constexpr float kMinCorrelation = 0.8F;
-constexpr float kMinContrastRatio = 0.1F;  // of the image's patch over the template's
+constexpr float kMinContrastRatio = 0.1F;  // contrast of the image's patch / the template's, at least
 constexpr int kIterations = 10;
-constexpr float kConverged = 0.03F;  // pixels of the level: a smaller step is the last
-constexpr float kMiddleGrey = 128;   // taken off, so that sums of squares keep their digits
+constexpr float kConverged = 0.03F;  // pixels of the level; the search ends with a smaller step
+constexpr float kMiddleGrey = 128;   // subtracted from grey values, so that the sums of squares keep their precision
 
 constexpr int kLanes = cv::v_float32x4::nlanes;
 constexpr int kVectors = kColumns / kLanes;
 
-// The image's patch at a place, its contrast free: what it says of the template and of the place.
+// Compares the image's patch at one place with the template. Their contrast may differ.
 struct Comparison {
-  float contrast = 0;              // over the template's
-  float correlation = 0;           // normalised
-  Eigen::Vector2f slope_products;  // sums of the products of its pixels and the slopes
+  float contrast = 0;              // contrast of the image's patch / the template's
+  float correlation = 0;           // normalised cross-correlation
+  Eigen::Vector2f slope_products;  // sums of the products of the patch's pixels and the template's slopes
 };
 
-// Sums over the pixels of an image's patch, and of their products with the template's.
+// Sums of the pixels of the image's patch, and of their products with the template's pixels and slopes.
 struct Sums {
   cv::v_float32x4 pixel = cv::v_setzero_f32(), square = pixel, grey = pixel, x = pixel, y = pixel;
   void add(const PatchTemplate& t, int index, const cv::v_float32x4& pixels) {
@@ -41,7 +41,7 @@ struct Sums {
   }
 };
 
-// All bits where a column is within the radius.
+// Returns masks: all bits of a lane are set if its column is within the radius.
 std::array<cv::v_float32x4, kVectors> columns_within(int radius) {
   std::array<cv::v_float32x4, kVectors> within;
   for (int k = 0; k < kVectors; ++k) {
@@ -51,7 +51,7 @@ std::array<cv::v_float32x4, kVectors> columns_within(int radius) {
   return within;
 }
 
-// Nothing where the patch leaves the image.
+// Returns the sums for the patch around `at` (pixels of `image`), or nullopt if the patch leaves the image.
 std::optional<Sums> sum_up(const PatchTemplate& t, int radius, const cv::Mat& image, const Eigen::Vector2f& at) {
   const float left = at.x() - kRadius, top = at.y() - kRadius;
   if (!(left >= 0 && top >= 0 && left + kColumns + 1 < static_cast<float>(image.cols) &&
@@ -96,14 +96,16 @@ std::optional<Comparison> compare(const PatchTemplate& t, const PatchTemplate::F
                      cv::v_reduce_sum(sums->y) - fit.mean_y * pixel - fit.explained_y * product}};
 }
 
-// The place in the image's level, beginning at `start`.
+// Searches from `start`. Returns the patch's place in pixels of `image`, or nullopt if the image does not agree with
+// the template.
 std::optional<Eigen::Vector2f> align(const PatchTemplate& t, const PatchTemplate::Fit& fit, const cv::Mat& image,
                                      const Eigen::Vector2f& start) {
   Eigen::Vector2f at = start;
   for (int i = 0; i < kIterations; ++i) {
     const auto c = compare(t, fit, image, at);
     if (!c || !(c->contrast > kMinContrastRatio)) return std::nullopt;
-    // Differences in units of their noise. The slopes are the template's: its step is the opposite of the place's.
+    // Differences are in units of their noise. The slopes are the template's, and the template's step is the opposite
+    // of the place's step.
     const float weight = c->contrast * c->contrast / (kNoise * kNoise);
     const Eigen::Matrix2f information = weight * fit.information + Eigen::Matrix2f::Identity() / (kPrior * kPrior);
     const Eigen::Vector2f gradient = weight / c->contrast * c->slope_products + (at - start) / (kPrior * kPrior);

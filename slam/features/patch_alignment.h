@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sub-pixel place of a patch of one image in another.
+// Finds a patch of one image in another to a fraction of a pixel.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,19 +10,18 @@
 
 namespace rumi {
 
-// Where a patch is looked for: a pixel of the full image, known to within a few pixels of one of the image's levels,
-// which must exist.
+// Where to look for a patch: a pixel of the full image, right to a few pixels of the level. The level must exist.
 struct PatchPlace {
   const ImagePyramid& images;
   Eigen::Vector2f pixel;
   int level = 0;
 };
 
-// The pixel (of the full image) at which the image looks as the template does: by least squares of the differences in
-// grey value, contrast and brightness being free (Baker and Matthews, "Lucas-Kanade 20 Years On", IJCV 2004, the
-// inverse compositional algorithm), held near at.pixel in as far as the patch does not tell. Looks at 15 x 15 pixels of
-// the level, or at 9 x 9 where these do not agree. Nothing if neither does, moves farther than 2 pixels of the level,
-// or leaves the image.
+// Returns the pixel of the full image at which the image looks like the template, or nullopt if neither 15 x 15 nor
+// then 9 x 9 pixels of the level agree with the template. A patch may move by up to 2 pixels of the level and must not
+// leave the image. The squared differences in grey value are minimized, with free contrast and brightness (Baker and
+// Matthews, "Lucas-Kanade 20 Years On", IJCV 2004, the inverse compositional algorithm). A weak prior keeps the pixel
+// near at.pixel in directions that the patch does not determine.
 std::optional<Eigen::Vector2f> align_patch(const PatchTemplate& reference, const PatchPlace& at);
 
 }  // namespace rumi

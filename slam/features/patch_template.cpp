@@ -11,15 +11,15 @@ namespace {
 
 constexpr int kRows = PatchTemplate::kRows, kColumns = PatchTemplate::kColumns;
 constexpr std::array<int, 2> kRadii = {PatchTemplate::kRadius, 4};
-constexpr int kWide = kRows + 2;   // with a pixel around, for the slopes
-constexpr int kWideColumns = 20;   // whole vectors of them
-constexpr float kMinContrast = 3;  // grey levels: standard deviation within the patch
+constexpr int kWide = kRows + 2;   // rows, and columns, of a patch that is one pixel wider on each side, for the slopes
+constexpr int kWideColumns = 20;   // kWide, rounded up to a whole number of vectors
+constexpr float kMinContrast = 3;  // least standard deviation of a patch's grey values
 
 using WidePatch = std::array<float, kWide * kWide>;
 
 constexpr int kLanes = cv::v_float32x4::nlanes;
 
-// Bilinear, at as many places as a vector has lanes; all must have a pixel to the right and below.
+// Interpolates bilinearly at one place per lane. Each place must have a pixel to its right and below it.
 void interpolate(const cv::Mat& image, const float* x, const float* y, float* grey) {
   const cv::v_float32x4 px = cv::v_load(x), py = cv::v_load(y);
   const cv::v_int32x4 ix = cv::v_trunc(px), iy = cv::v_trunc(py);
@@ -43,7 +43,7 @@ void interpolate(const cv::Mat& image, const float* x, const float* y, float* gr
   cv::v_store(grey, cv::v_muladd(fy, lower - upper, upper));
 }
 
-// The level of the reference whose pixels, carried over, are nearest in size to those of the image's level.
+// Returns the level of the reference whose pixels are nearest in size to `wanted_size`, in pixels of the full image.
 int reference_level(const ImagePyramid& reference, float wanted_size) {
   int best = 0;
   for (int i = 1; i < reference.levels(); ++i)
@@ -53,7 +53,8 @@ int reference_level(const ImagePyramid& reference, float wanted_size) {
   return best;
 }
 
-// The reference's patch and a pixel around it, sampled where the image's pixels would be; false if it leaves the image.
+// Samples the reference's patch at the places of the image's pixels, and one pixel more on each side. Returns false if
+// the patch leaves the reference's image or is distorted too much.
 bool sample_reference(const ImagePyramid& reference, const Eigen::Vector2f& center,
                       const Eigen::Matrix2f& image_from_reference, float image_pixel_size, WidePatch* wide) {
   const float determinant = image_from_reference.determinant();
@@ -61,7 +62,7 @@ bool sample_reference(const ImagePyramid& reference, const Eigen::Vector2f& cent
   const int level = reference_level(reference, image_pixel_size / std::sqrt(determinant));
   const cv::Mat& image = reference.level(level);
   const Eigen::Array2f size = reference.pixel_size(level).array();
-  Eigen::Matrix2f step = image_from_reference.inverse() * image_pixel_size;  // full pixels of the reference
+  Eigen::Matrix2f step = image_from_reference.inverse() * image_pixel_size;  // in pixels of the reference's full image
   step.row(0) /= size.x();
   step.row(1) /= size.y();
   const Eigen::Vector2f at = reference.to_level(center, level);
@@ -77,7 +78,7 @@ bool sample_reference(const ImagePyramid& reference, const Eigen::Vector2f& cent
       x[u] = p.x();
       y[u] = p.y();
     }
-    // Whole vectors: the last pixel again where there is none.
+    // Repeats the last pixel to fill the last vector.
     std::fill(x.begin() + kWide, x.end(), x[kWide - 1]);
     std::fill(y.begin() + kWide, y.end(), y[kWide - 1]);
     for (int u = 0; u < kWideColumns; u += kLanes) interpolate(image, &x[u], &y[u], &grey[u]);
@@ -86,7 +87,7 @@ bool sample_reference(const ImagePyramid& reference, const Eigen::Vector2f& cent
   return true;
 }
 
-// What is in the last column has no meaning.
+// Fills grey and the slopes (central differences). The values of the last column have no meaning.
 void find_slopes(const WidePatch& wide, PatchTemplate* out) {
   const cv::v_float32x4 half = cv::v_setall_f32(0.5F);
   for (int y = 0; y < kRows; ++y)

@@ -28,7 +28,7 @@ std::optional<Sim3> umeyama(const std::vector<Eigen::Vector3d>& source, const st
 
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d sign = Eigen::Vector3d::Ones();
-  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) sign.z() = -1;  // no reflections
+  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) sign.z() = -1;  // else it would be a reflection
   const Eigen::Matrix3d r = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
   const double scale = with_scale ? svd.singularValues().dot(sign) / source_variance : 1.0;
   if (!(scale > 0)) return std::nullopt;

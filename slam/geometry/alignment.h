@@ -11,9 +11,10 @@
 
 namespace rumi {
 
-// target_from_source minimizing sum |target_i - T source_i|^2; with_scale = false fixes the scale at 1. Nothing for
-// fewer than three points, different counts, non-finite input or source points that coincide. Points on one line leave
-// a rotation about it undetermined: a valid but arbitrary choice is returned.
+// Returns target_from_source, which minimizes sum |target_i - T source_i|^2; its scale is 1 if with_scale is false.
+// Returns nullopt for fewer than three points, different counts, values that are not finite, or source points that
+// coincide. If the points lie on one line, the rotation about it is not determined: one of the valid rotations is
+// returned.
 std::optional<Sim3> umeyama(const std::vector<Eigen::Vector3d>& source, const std::vector<Eigen::Vector3d>& target,
                             bool with_scale = true);
 

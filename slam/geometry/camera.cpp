@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "slam/geometry/max_side.h"
 #include "slam/geometry/radial_distortion.h"
 
 namespace rumi {
@@ -19,12 +20,12 @@ Eigen::Vector2d distort_pinhole(const Camera& c, double x, double y) {
 
 RadialDistortion of_angle(const Camera& c) { return {c.k1, c.k2, c.k3, c.k4}; }
 
-// Rays at 90 degrees and beyond cannot be written as (x/z, y/z, 1); they are pulled in to this angle.
+// A ray at 90 degrees or more cannot be written as (x/z, y/z, 1). It is pulled in to this angle.
 constexpr double kWidestAngle_rad = 89.0 * M_PI / 180.0;
-constexpr double kSteepestSlope = 1e4;  // x/z or y/z: no lens that can be undone sees farther to the side
+constexpr double kSteepestSlope = 1e4;  // x/z or y/z: no lens with an invertible distortion sees farther aside
 
-// Angle whose distorted angle is the given one, by Newton's method from the distorted angle itself. Not a number for a
-// lens that cannot be undone there.
+// Returns the angle that the lens distorts into `distorted` (radians), by Newton's method. Returns NaN if the
+// distortion cannot be inverted there.
 double undistort_angle(const Camera& c, double distorted) {
   const RadialDistortion lens = of_angle(c);
   double theta = distorted;
@@ -109,8 +110,8 @@ std::string Camera::check() const {
                                                     {"k2", k2}, {"p1", p1}, {"p2", p2}, {"k3", k3}, {"k4", k4}};
   for (const auto& [name, value] : numbers)
     if (!std::isfinite(value)) return fail(name, value, "must be a finite number");
-  if (width < 16 || width > 16384) return fail("width", width, "must be 16 to 16384 pixels");
-  if (height < 16 || height > 16384) return fail("height", height, "must be 16 to 16384 pixels");
+  if (width < 16 || width > kMaxSide) return fail("width", width, "must be 16 to 16384 pixels");
+  if (height < 16 || height > kMaxSide) return fail("height", height, "must be 16 to 16384 pixels");
   const auto is_focal_length = [this](double f) { return f >= 0.05 * width && f <= 100.0 * width; };
   if (!is_focal_length(fx)) return fail("fx", fx, "must be in pixels, and of the order of the image width");
   if (!is_focal_length(fy)) return fail("fy", fy, "must be in pixels, and of the order of the image width");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Camera models. Axes: x right, y down, z forward. Pixel (0, 0) is the centre of the upper-left pixel (OpenCV's way;
-// COLMAP's is that plus 0.5).
+// Camera models. Axes: x right, y down, z forward. Pixel (0, 0) is the centre of the upper-left pixel, as in OpenCV. In
+// COLMAP that centre is (0.5, 0.5).
 #pragma once
 
 #include <Eigen/Core>
@@ -24,17 +24,18 @@ class Camera {
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0, k4 = 0;  // k4: fisheye only; p1 p2: pinhole only
   double fps = 0;                                         // nominal, 0 = unknown
 
-  // Pixel of a point in the camera's frame; nothing for a point behind the camera (z <= 0).
+  // Returns the pixel of a point in the camera's frame, or nullopt if it is behind the camera (z <= 0).
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_cam) const;
-  // Ray (x/z, y/z, 1) of a pixel, distortion removed (fixed-point iterations, < 1e-9 for sane lenses).
+  // Returns the ray (x/z, y/z, 1) of a pixel, with distortion removed by iteration (error < 1e-9 for ordinary lenses).
+  // If the distortion cannot be inverted at this pixel, it is left in.
   Eigen::Vector3d unproject(const Eigen::Vector2d& pixel) const;
-  // Where the pixel would be without distortion: (fx x/z + cx, fy y/z + cy).
+  // Returns the pixel without distortion: (fx x/z + cx, fy y/z + cy).
   Eigen::Vector2d undistort(const Eigen::Vector2d& pixel) const;
-  // Ideal pinhole projection (no distortion), for undistorted pixels. Precondition: z > 0.
+  // Returns the undistorted pixel of a point: the projection of an ideal pinhole camera. Precondition: z > 0.
   Eigen::Vector2d project_undistorted(const Eigen::Vector3d& point_cam) const {
     return {fx * point_cam.x() / point_cam.z() + cx, fy * point_cam.y() / point_cam.z() + cy};
   }
-  // The inverse: ray (x/z, y/z, 1) of an undistorted pixel, which may be of floats or doubles.
+  // Returns the ray (x/z, y/z, 1) of an undistorted pixel in floats or doubles: the inverse of project_undistorted().
   template <class T>
   Eigen::Vector3d ray(const Eigen::Matrix<T, 2, 1>& undistorted) const {
     return {(undistorted.x() - cx) / fx, (undistorted.y() - cy) / fy, 1};
@@ -44,10 +45,10 @@ class Camera {
     return pixel.x() >= border_px && pixel.y() >= border_px && pixel.x() <= width - 1 - border_px &&
            pixel.y() <= height - 1 - border_px;
   }
-  // The same camera for its images resized (pixel centres kept right).
+  // Returns this camera for resized images. The pixels' centres are mapped, as by cv::resize.
   Camera resized(int new_width, int new_height) const;
-  // What is wrong with it, naming the field and its value; empty if nothing.
-  std::string check() const;
+  // Returns what is wrong with the calibration, with the field and its value; empty if it is fine.
+  [[nodiscard]] std::string check() const;
 };
 
 }  // namespace rumi

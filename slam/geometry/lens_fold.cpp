@@ -11,7 +11,7 @@ namespace rumi {
 namespace {
 
 constexpr double kWidest_rad = 60 * M_PI / 180;
-constexpr double kWidestSlope = 60;  // x/z: 89 degrees
+constexpr double kWidestSlope = 60;  // x/z at 89 degrees from the axis
 
 }  // namespace
 

@@ -3,8 +3,8 @@
 
 namespace rumi {
 
-// How far from the axis a lens images what is `r` from it: an odd polynomial, of the distance x/z with a pinhole camera
-// (k4 is 0), of the angle with a fisheye.
+// Radial distortion: an odd polynomial that maps the distance r from the axis to the distorted distance. For a pinhole
+// camera r is the length of (x/z, y/z), and k4 is 0; for a fisheye r is the angle to the axis.
 struct RadialDistortion {
   double k1, k2, k3, k4;
 

@@ -9,9 +9,10 @@ namespace {
 using Vector5d = Eigen::Matrix<double, 5, 1>;
 using Matrix5d = Eigen::Matrix<double, 5, 5>;
 
-constexpr double kHuber2 = 3.84;  // sigma^2, 95 % of a normal distribution
+constexpr double kHuber2 = 3.84;  // squared error in sigma^2 beyond which the loss is linear; 95 % of normal errors are
+                                  // smaller
 
-// Rotation vector on the left, then the translation's move in the plane that touches the unit sphere.
+// A step is a rotation vector on the left and a move of the translation in the tangent plane of the unit sphere.
 struct Tangent {
   Eigen::Matrix<double, 3, 2> basis;
   explicit Tangent(const Eigen::Vector3d& t) {
@@ -41,7 +42,7 @@ Equations linearize(const std::vector<Eigen::Vector2d>& first, const std::vector
     const double scale = 1.0 / (sigma * std::sqrt(length2)), error = scale * b.dot(line_b), e2 = error * error;
     const double w = e2 > kHuber2 ? std::sqrt(kHuber2 / e2) : 1.0;
     n.cost += e2 > kHuber2 ? 2 * std::sqrt(kHuber2 * e2) - kHuber2 : e2;
-    // b . (t x (turned + step x turned)), the lines' length held fixed.
+    // The derivative of b . (t x (turned + step x turned)), with the lengths of the epipolar lines held fixed.
     Vector5d j;
     j.head<3>() = scale * turned.cross(b.cross(pose.translation));
     j.tail<2>() = scale * tangent.basis.transpose() * turned.cross(b);

@@ -9,7 +9,7 @@ namespace rumi {
 
 std::optional<RotationFit> fit_rotation(std::vector<Eigen::Vector3d> a, std::vector<Eigen::Vector3d> b) {
   constexpr int kRounds = 10;
-  constexpr double kSmallest = 5e-4;  // rad: below it residuals are noise and weigh the same
+  constexpr double kSmallest = 5e-4;  // rad; smaller residuals are noise and have the same weight
   if (a.size() < 3 || a.size() != b.size()) return std::nullopt;
   for (Eigen::Vector3d& ray : a) ray.normalize();
   for (Eigen::Vector3d& ray : b) ray.normalize();

@@ -9,11 +9,12 @@ namespace rumi {
 
 struct RotationFit {
   Eigen::Matrix3d b_from_a;
-  double median_residual_rad = 0;  // between rotated and seen: what a rotation does not explain
+  double median_residual_rad = 0;  // median angle between a rotated ray and its partner
 };
 
-// Rotation that turns rays a into rays b (of any length, in pairs), with the least sum of absolute angles: Kabsch's
-// solution, iteratively reweighted, so that a third of wrong pairs does little. Nothing for fewer than three pairs.
+// Returns the rotation that turns the rays a into the rays b (pairs; any lengths) with the least sum of absolute
+// angles. It is Kabsch's solution, iteratively reweighted, so that up to a third of wrong pairs hardly change it.
+// Returns nullopt for fewer than three pairs.
 std::optional<RotationFit> fit_rotation(std::vector<Eigen::Vector3d> a, std::vector<Eigen::Vector3d> b);
 
 }  // namespace rumi

@@ -21,7 +21,7 @@ Eigen::Quaterniond so3_exp(const Eigen::Vector3d& rotation_vector) {
 }
 
 Eigen::Vector3d so3_log(const Eigen::Quaterniond& q) {
-  const double sign = q.w() < 0 ? -1.0 : 1.0;  // the shorter way round
+  const double sign = q.w() < 0 ? -1.0 : 1.0;  // takes q or -q, whichever has the smaller angle
   const Eigen::Vector3d v = sign * q.vec();
   const double n = v.norm();
   if (n < 1e-9) return 2.0 * v;

@@ -27,13 +27,13 @@ struct SE3 {
   }
   SE3 operator*(const SE3& b) const { return {rotation * b.rotation, rotation * b.translation + translation}; }
   Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return rotation * p + translation; }
-  // Position of the source's origin seen as a camera: for cam_from_submap, the camera's centre in the submap.
+  // Returns the target's origin in the source. For cam_from_submap it is the camera's centre in the submap.
   Eigen::Vector3d center() const { return -(rotation.conjugate() * translation); }
-  // Angle of the rotation, radians, in [0, pi].
+  // Returns the rotation's angle in radians, 0 to pi.
   double angle_rad() const;
   bool is_finite() const { return rotation.coeffs().allFinite() && translation.allFinite(); }
 
-  // Exponential map of the twist (translation part first, then rotation vector) and its inverse.
+  // exp() maps a twist (translation part first, then rotation vector) to a transform; log() is its inverse.
   static SE3 exp(const Vector6d& twist);
   Vector6d log() const;
 };
@@ -58,36 +58,38 @@ struct Sim3 {
   }
   Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return scale * (rotation * p) + translation; }
   bool is_finite() const { return std::isfinite(scale) && rotation.coeffs().allFinite() && translation.allFinite(); }
-  // The pose cam_from_target of a camera whose pose cam_from_source is known, in the target's unit of length.
+  // Returns the pose of a camera in the target, in the target's unit of length, from its pose in the source.
   SE3 transform_camera(const SE3& cam_from_source) const {
     const Eigen::Quaterniond q = cam_from_source.rotation * rotation.conjugate();
     return {q, scale * cam_from_source.translation - q * translation};
   }
 
-  // A step to a neighbour as seven numbers that do not mix: rotation vector (rad, in the target's axes), how far the
-  // image of `pivot` (a point of the source) moves, in the target's unit, and the logarithm of the ratio of the scales.
-  // a.plus(b.minus(a, p), p) == b.
+  // plus() takes a step to a neighbouring similarity; minus() returns the step from `from` to this one, so that
+  // a.plus(b.minus(a, p), p) == b. A step has seven independent numbers: rotation vector (rad, in the target's axes),
+  // the displacement of `pivot` (a point of the source) in the target, and the logarithm of the ratio of the scales.
   Sim3 plus(const Vector7d& step, const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) const;
   Vector7d minus(const Sim3& from, const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) const;
 };
 
-// target_from_source of that scale, from the poses that one camera has in both.
+// Returns target_from_source with the given scale, from the poses of one camera in both frames.
 inline Sim3 similarity_through(const SE3& cam_from_source, const SE3& cam_from_target, double scale) {
   const Eigen::Quaterniond rotation = cam_from_target.rotation.conjugate() * cam_from_source.rotation;
   return {scale, rotation, cam_from_target.center() - scale * (rotation * cam_from_source.center())};
 }
 
-// Rotation vector (angle * axis, radians) <-> quaternion.
+// Convert between a rotation vector (angle * axis, radians) and a quaternion.
 Eigen::Quaterniond so3_exp(const Eigen::Vector3d& rotation_vector);
 Eigen::Vector3d so3_log(const Eigen::Quaterniond& q);
-// The least turn that takes the direction `from` to the direction `to`. (Eigen's own, compiled once: it brings in a
-// singular value decomposition for opposite directions, which takes the compiler eight seconds.)
+// Returns the smallest rotation that takes the direction `from` to `to`. It wraps Eigen's function, so that only one
+// file compiles it: for opposite directions that needs a singular value decomposition, eight seconds of compiling.
 Eigen::Quaterniond shortest_turn(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 Eigen::Matrix3d skew(const Eigen::Vector3d& v);
-// J with so3_exp(w + d) = so3_exp(J d) * so3_exp(w) for small d (Barfoot, State Estimation for Robotics, eq. 7.37).
+// Returns J with so3_exp(w + d) = so3_exp(J d) * so3_exp(w) for small d (Barfoot, State Estimation for Robotics, eq.
+// 7.37).
 Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& w);
 
-// From a between 0 (a) and 1 (b): rotation by slerp, camera-centre-like translation linearly.
+// Interpolates from a (fraction 0) to b (fraction 1): the rotation by slerp, `translation` linearly. The translation of
+// a map_from_cam is the camera's centre.
 SE3 interpolate(const SE3& a, const SE3& b, double fraction);
 
 }  // namespace rumi

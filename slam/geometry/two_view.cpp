@@ -14,7 +14,7 @@
 namespace rumi {
 namespace {
 
-constexpr int kMostSamples = 200;  // of RANSAC: enough where half of the pairs are right, and no more is accepted
+constexpr int kMostSamples = 200;  // RANSAC samples: enough if half of the pairs are right; fewer are refused
 
 std::vector<cv::Point2d> normalized(const Camera& camera, const std::vector<Eigen::Vector2f>& pixels) {
   std::vector<cv::Point2d> points;
@@ -51,7 +51,7 @@ void add_homography_poses(const cv::Mat& first, const cv::Mat& second, double th
     if (cv::norm(translations[i]) > 1e-6) poses->push_back(pose_from(rotations[i], translations[i]));
 }
 
-// Points that the pose explains, with parallax enough to be worth something.
+// Triangulates the points whose reprojection errors in both views are small enough.
 TwoViewHypothesis judge(const Camera& camera, const SE3& second_from_first, const std::vector<cv::Point2d>& first,
                         const std::vector<cv::Point2d>& second, const TwoViewOptions& options) {
   TwoViewHypothesis result;
@@ -78,7 +78,8 @@ TwoViewHypothesis judge(const Camera& camera, const SE3& second_from_first, cons
   return result;
 }
 
-// A pose from a minimal sample is off by a degree or so: fit it to all that agree with it.
+// Fits the pose to all matches that agree with it, because a pose from a minimal sample is off by about a degree.
+// Returns `rough` if fewer matches agree afterwards.
 TwoViewHypothesis refine(const Camera& camera, const TwoViewHypothesis& rough, const std::vector<cv::Point2d>& first,
                          const std::vector<cv::Point2d>& second, const TwoViewOptions& options) {
   std::vector<Eigen::Vector2d> a, b;
@@ -98,7 +99,7 @@ bool same_pose(const SE3& a, const SE3& b) {
   return (a * b.inverse()).angle_rad() < 0.03 && direction < 0.35;
 }
 
-// The best first, each only once.
+// Sorts the hypotheses, best first, and keeps only the best of those with almost the same pose.
 void keep_different(std::vector<TwoViewHypothesis>* hypotheses) {
   std::stable_sort(hypotheses->begin(), hypotheses->end(),
                    [](const auto& a, const auto& b) { return a.inliers > b.inliers; });
@@ -110,7 +111,7 @@ void keep_different(std::vector<TwoViewHypothesis>* hypotheses) {
   *hypotheses = std::move(kept);
 }
 
-// Minimal samples need no more than so many pairs; taken at even steps.
+// Returns at most kMost pairs, evenly picked: minimal samples need no more.
 std::vector<cv::Point2d> sample(const std::vector<cv::Point2d>& points) {
   constexpr size_t kMost = 400;
   if (points.size() <= kMost) return points;

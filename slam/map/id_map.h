@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A map from ids, which are given one after another, to values: as std::map<int, T> is used, in order of id and with
-// values that stay where they are, but found at once. Ids that were erased cost a pointer each as long as one of their
-// 64 neighbours is left.
+// A map from ids, which are given one after another, to values. It is used like std::map<int, T>, in order of id and
+// with stable addresses, but finds a value in constant time. Ids are stored in leaves of 64. An erased id costs a
+// pointer as long as its leaf has another id.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ class IdMap {
   using mapped_type = T;
   using value_type = std::pair<const int, T>;
 
-  static constexpr int kMaxId = (1 << 28) - 1;  // the index of the ids has 32 MB then
+  static constexpr int kMaxId = (1 << 28) - 1;  // with ids up to this the index takes 32 MB
 
   template <bool kConst>
   class Iterator {
@@ -100,16 +100,17 @@ class IdMap {
   iterator lower_bound(int id) { return {this, next(id < 0 ? 0 : id)}; }
   const_iterator lower_bound(int id) const { return {this, next(id < 0 ? 0 : id)}; }
   bool contains(int id) const {
-    const size_t at = static_cast<unsigned>(id) / kLeaf;  // a negative one is beyond all
+    const size_t at = static_cast<unsigned>(id) / kLeaf;  // a negative id, as unsigned, lies beyond the last leaf
     return at < leaves_.size() && leaves_[at] && (leaves_[at]->used & bit(id)) != 0;
   }
-  // Nothing where there is no such id.
+  // Returns nullptr if there is no such id.
   T* get(int id) { return contains(id) ? &leaves_[id / kLeaf]->values[id % kLeaf]->second : nullptr; }
   const T* get(int id) const { return contains(id) ? &leaves_[id / kLeaf]->values[id % kLeaf]->second : nullptr; }
   T& at(int id) { return *found(id, get(id)); }
   const T& at(int id) const { return *found(id, get(id)); }
 
-  // Of an id that is not there. std::out_of_range: it is negative or above kMaxId.
+  // Returns the present element, and false, if the id exists. Throws std::out_of_range if it is negative or above
+  // kMaxId.
   template <typename... Values>
   std::pair<iterator, bool> emplace(int id, Values&&... values) {
     if (id < 0 || id > kMaxId)
@@ -143,7 +144,7 @@ class IdMap {
   }
 
  private:
-  static constexpr int kLeaf = 64;  // ids, and bits of Leaf::used
+  static constexpr int kLeaf = 64;  // ids of a leaf, each with a bit of Leaf::used
   struct Leaf {
     uint64_t used = 0;
     std::array<std::unique_ptr<value_type>, kLeaf> values;
@@ -155,7 +156,7 @@ class IdMap {
     return value;
   }
   size_t end_id() const { return kLeaf * leaves_.size(); }
-  // The first id that is used, from this one on; the end's if there is none.
+  // Returns the first used id that is not below `id`, or end_id().
   size_t next(size_t id) const {
     if (id >= end_id()) return end_id();
     const auto& leaf = leaves_[id / kLeaf];
@@ -165,7 +166,7 @@ class IdMap {
       if (leaves_[l]) return l * kLeaf + std::countr_zero(leaves_[l]->used);
     return end_id();
   }
-  // The last id that is used before this one, which is not the first.
+  // Returns the last used id below `id`. There must be one.
   size_t previous(size_t id) const {
     if (id % kLeaf != 0)
       if (const uint64_t rest = leaves_[id / kLeaf] ? leaves_[id / kLeaf]->used & (bit(id) - 1) : 0; rest != 0)

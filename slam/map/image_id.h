@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which image? Times alone do not tell: every recording that is a folder of images begins at 0.
+// Identifies an image by time and stream. Time alone is ambiguous: in each folder of images, the times begin at 0.
 #pragma once
 
 #include <compare>
@@ -7,7 +7,7 @@
 
 namespace rumi {
 
-// In order of time.
+// Ids sort by time.
 struct ImageId {
   int64_t utime_us = 0;
   int64_t stream = 0;  // a camera, or a recording; see docs/wire.md

@@ -11,7 +11,7 @@
 namespace rumi {
 namespace {
 
-constexpr size_t kMostDescriptors = 12;  // the median needs no more, and the cost grows with the square
+constexpr size_t kMostDescriptors = 12;  // the newest ones are enough for a median; the cost grows with the square
 
 Descriptor median_descriptor(const std::vector<const Descriptor*>& seen) {
   if (seen.size() < 3) return *seen[0];
@@ -39,7 +39,7 @@ void update_landmark_view(const Submap& submap, Landmark* landmark) {
   double distance = 0;
   const double f = 0.5 * (submap.camera.fx + submap.camera.fy);
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  // Newest first: the latest looks matter most to what comes next.
+  // The newest observations come first: the latest appearances are most like those in the next frames.
   for (auto o = landmark->observations.rbegin(); o != landmark->observations.rend(); ++o) {
     const Keyframe* kf = submap.keyframe(o->keyframe_id);
     if (!kf) continue;
@@ -47,10 +47,12 @@ void update_landmark_view(const Submap& submap, Landmark* landmark) {
     const double d = ray.norm();
     if (!(d > 0)) continue;
     direction += ray / d;
-    if (information.isZero()) information = ray * ray.transpose() / (d * d * d * d);  // it is not infinitely far
+    if (information.isZero())
+      information = ray * ray.transpose() / (d * d * d * d);  // a prior along the ray: its standard deviation is the
+                                                              // distance
     const double scale = submap.pyramid.scale(kf->features->keypoints[o->keypoint_index].octave);
     information += sight_information(ray, scale / f);
-    distance = d * scale;  // in the end that of the oldest observation, which made the landmark
+    distance = d * scale;  // the loop ends with the oldest observation, which made the landmark
     if (descriptors.size() < kMostDescriptors) descriptors.push_back(&kf->features->descriptors[o->keypoint_index]);
   }
   if (descriptors.empty()) return;

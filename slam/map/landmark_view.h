@@ -7,14 +7,15 @@
 
 namespace rumi {
 
-// Recomputes what is derived from a landmark's observations: viewing direction, distance of octave 0 and the descriptor
-// (the observed one with the least median distance to the others).
+// Recomputes what a landmark derives from its observations: viewing direction, information and octave0_distance. If it
+// is not described yet, chooses its descriptor too: the observed one with the least median distance to the others.
 void update_landmark_view(const Submap& submap, Landmark* landmark);
 
-// The octave at which a landmark should appear from this distance, clamped to the pyramid (Pyramid::scales()).
+// Returns the octave at which a landmark should appear from this distance, clamped to the pyramid (Pyramid::scales()).
 int predict_octave(const Landmark& landmark, double distance, const std::vector<double>& octave_scales);
 
-// Of the landmarks (kNone and unknown ones are passed over) as the camera sees them; 1 if there is none.
+// Returns the median depth of the landmarks in the camera, in the submap's unit; 1 if there are none. kNone and unknown
+// ids are skipped.
 double median_depth(const Submap& submap, const SE3& cam_from_submap, const std::vector<int>& landmark_ids);
 
 }  // namespace rumi

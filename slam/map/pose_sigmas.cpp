@@ -6,13 +6,13 @@ namespace {
 
 constexpr double kLargest = 1e6;
 
-// False for NaN, too.
+// Returns false for NaN, too.
 bool is_deviation(float value) { return value > 0 && value <= static_cast<float>(kLargest); }
 
 }  // namespace
 
 PoseSigmas pose_sigmas(double position, double rotation_rad, double log_scale) {
-  const auto fits = [](double value) { return value >= 0 && value <= kLargest; };  // a float
+  const auto fits = [](double value) { return value >= 0 && value <= kLargest; };  // can be converted to float
   if (!fits(position) || !fits(rotation_rad) || !fits(log_scale)) return {};
   const PoseSigmas sigmas{static_cast<float>(position), static_cast<float>(rotation_rad),
                           static_cast<float>(log_scale)};

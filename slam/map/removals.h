@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What was removed from a submap, so that a copy elsewhere can be told. Only the latest removals are remembered: in a
-// place that is seen for hours landmarks come and go without end. A copy that is older than that is sent everything.
+// The ids that were removed from a submap, for updates of its copies. Only the latest removals are kept, because in a
+// place that is seen for hours landmarks come and go without end. A copy that is older than these is sent the whole
+// submap.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +13,13 @@ namespace rumi {
 
 class Removals {
  public:
-  static constexpr size_t kMost = 32768;  // then the older half is forgotten
+  static constexpr size_t kMost = 32768;  // removals that are kept; with one more, the older half is forgotten
 
-  // `revision` must not be below that of the call before.
+  // `revision` must not be lower than in the call before.
   void add(int id, int64_t revision);
-  // Forgets all that was removed until `revision`.
+  // Forgets the removals of all revisions up to and including `revision`.
   void forget(int64_t revision);
-  // The ids removed after `revision`, ascending, each once; nothing if some of them have been forgotten.
+  // Returns the ids removed after `revision`, ascending, each once; nullopt if some of them have been forgotten.
   std::optional<std::vector<int>> since(int64_t revision) const;
 
  private:
@@ -27,7 +28,7 @@ class Removals {
     int id;
   };
   std::vector<Removal> in_order_;
-  int64_t forgotten_revision_ = 0;  // removals until here may be missing
+  int64_t forgotten_revision_ = 0;  // removals up to this revision may be missing
 };
 
 }  // namespace rumi

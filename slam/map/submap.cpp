@@ -21,6 +21,64 @@ Keyframe* Submap::keyframe(int id) { return find_in(keyframes, id); }
 const Keyframe* Submap::keyframe(int id) const { return find_in(keyframes, id); }
 const FramePose* Submap::frame(int64_t utime_us) const { return find_in(frames, utime_us); }
 
+void Submap::begin_front_submap(SubmapKey front_key) {
+  key = front_key;
+  kind = SubmapKind::kFront;
+  closed = false;
+  revision = 1;
+  handed_out_ = 0;
+  removed_keyframes = removed_landmarks = {};
+  for (auto& [id, kf] : keyframes) kf.revision = kf.created_revision = revision;
+  for (auto& [id, lm] : landmarks) lm.revision = revision;
+  for (auto& [utime_us, frame] : frames) frame.revision = revision;
+}
+
+void Submap::close() {
+  if (closed) return;
+  closed = true;
+  stamp();
+}
+
+Keyframe& Submap::add_keyframe(Keyframe keyframe) {
+  keyframe.landmark_ids.assign(keyframe.features->size(), kNone);
+  keyframe.revision = keyframe.created_revision = stamp();
+  const int id = keyframe.id;
+  return keyframes.insert_or_assign(id, std::move(keyframe)).first->second;
+}
+
+Landmark& Submap::add_landmark(int id, const Eigen::Vector3d& position) {
+  Landmark& lm = landmarks[id];
+  lm.id = id;
+  lm.position = position;
+  touch(lm);
+  return lm;
+}
+
+void Submap::set_frame(FramePose frame) {
+  frame.revision = stamp();
+  frames[frame.utime_us] = frame;
+}
+
+void Submap::move_keyframe(int id, const SE3& cam_from_submap) {
+  Keyframe* kf = keyframe(id);
+  if (!kf) return;
+  kf->cam_from_submap = cam_from_submap;
+  touch(*kf);
+}
+
+void Submap::move_landmark(int id, const Eigen::Vector3d& position) {
+  Landmark* lm = landmark(id);
+  if (!lm) return;
+  lm->position = position;
+  touch(*lm);
+}
+
+void Submap::renew_features(int keyframe_id) {
+  Keyframe& kf = *keyframe(keyframe_id);
+  touch(kf);
+  kf.created_revision = kf.revision;
+}
+
 bool Submap::add_observation(int landmark_id, int keyframe_id, int keypoint_index) {
   Landmark* lm = landmark(landmark_id);
   Keyframe* kf = keyframe(keyframe_id);
@@ -86,6 +144,12 @@ void Submap::remove_keyframe(int id, int heir) {
   }
   keyframes.erase(id);
   removed_keyframes.add(id, stamp());
+}
+
+void Submap::remove_frames_from(int64_t utime_us) {
+  frames.erase(frames.lower_bound(utime_us), frames.end());
+  removed_keyframes.forget(stamp());
+  removed_landmarks.forget(stamp());
 }
 
 void Submap::fuse_landmarks(int into, int from) {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A submap: keyframes, landmarks and the frames whose poses hang on the keyframes. Plain data with the few operations
-// that keep it consistent; shared by front_tracker (which builds it), map_server (which stores and joins it) and
-// others.
+// A submap: keyframes, landmarks and the frames whose poses refer to the keyframes. front_tracker and ruminator make
+// submaps; map_server stores and joins them.
 //
-// Revisions: a change stamps the changed element with the submap's revision, which the first change after an update was
-// made raises, so that what changed since any earlier revision can be sent (see bus/wire/submap_update.h).
+// Revisions: a submap's maker changes it through its methods. A method stamps each element that it changes with the
+// submap's revision. The first change after hand_out() raises the revision, so that everything that changed since an
+// earlier revision can be sent (see bus/wire/submap_update.h). The maps are public for readers, and for those who write
+// a copy with the revisions that its maker gave (apply_submap_update, MapStore).
 #pragma once
 
 #include <Eigen/Core>
@@ -28,7 +29,7 @@ namespace rumi {
 
 inline constexpr int kNoSubmap = 0;  // submap ids count up from 1 (front) and down from -1 (back)
 
-// Keyframes are counted up from 0: vectors are indexed by their ids.
+// The largest id of a keyframe. Ids count up from 0, and vectors are indexed by them: a huge one would exhaust memory.
 inline constexpr int kMaxKeyframeId = (1 << 24) - 1;
 
 struct Keyframe {
@@ -36,8 +37,8 @@ struct Keyframe {
   int64_t utime_us = 0;
   SE3 cam_from_submap;
   std::shared_ptr<const Features> features;
-  std::vector<int> landmark_ids;  // per keypoint, kNone where it observes nothing
-  int64_t revision = 0;           // of the submap when this keyframe last changed
+  std::vector<int> landmark_ids;  // by keypoint; kNone if it observes no landmark
+  int64_t revision = 0;           // the submap's revision when this keyframe last changed
   int64_t created_revision = 0;
 };
 
@@ -53,15 +54,22 @@ struct Landmark {
   std::vector<Observation> observations;  // at most one per keyframe, in order of keyframe id
   int64_t revision = 0;
 
-  // Derived from the observations by update_landmark_view (slam/map/landmark_view.h); never on the wire.
-  bool is_described = false;                                 // the descriptor is that of these observations
-  Eigen::Vector3d view_direction = Eigen::Vector3d::Zero();  // mean of the unit vectors from the cameras to it
-  int visible = 0, found = 0;  // frames in which it should have been seen, and was; kept by whoever tracks with it
-  // Inverse covariance of the position, the cameras being where they are and a keypoint's noise a pixel at octave 0.
+  // Derived from the observations by update_landmark_view (slam/map/landmark_view.h); never transmitted.
+  bool is_described = false;                                 // true: the descriptor was chosen, and is kept
+  Eigen::Vector3d view_direction = Eigen::Vector3d::Zero();  // mean direction from the cameras to the landmark, a unit
+                                                             // vector
+  // The number of frames that should have seen the landmark, and of those that did. Only the tracker that uses the
+  // landmark keeps them.
+  int visible = 0, found = 0;
+  // The inverse covariance of the position, if the cameras' poses are right and the noise of a keypoint at octave 0 is
+  // one pixel.
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
-  double log_scale_variance = 0;  // of the submap's unit there, against its beginning; kept by whoever tracks with it
-  double octave0_distance =
-      0;  // from where it would be a keypoint of octave 0: octave = log_scale(octave0_distance / d)
+  // The variance of the log of the submap's unit at the landmark, relative to its unit at the beginning. Only the
+  // tracker keeps it.
+  double log_scale_variance = 0;
+  // The distance at which the landmark would be a keypoint of octave 0. At distance d its octave is
+  // log(octave0_distance / d) / log(scale_factor).
+  double octave0_distance = 0;
 };
 
 // cam_from_submap = cam_from_keyframe * keyframe(reference_keyframe).cam_from_submap
@@ -70,11 +78,11 @@ struct FramePose {
   int reference_keyframe = kNone;
   SE3 cam_from_keyframe;
   int64_t revision = 0;
-  PoseSigmas sigmas = {};  // when the frame got its pose
+  PoseSigmas sigmas = {};  // those that were known when the frame got its pose
 };
 
 struct SubmapKey {
-  int64_t session = 0;     // names the run of front_tracker that made it
+  int64_t session = 0;     // identifies the session of front_tracker that the submap belongs to
   int32_t id = kNoSubmap;  // front: 1, 2, 3, ...; back: -1, -2, ...
   auto operator<=>(const SubmapKey&) const = default;
 };
@@ -86,14 +94,14 @@ class Submap {
   SubmapKey key;
   SubmapKind kind = SubmapKind::kFront;
   Camera camera;
-  Pyramid pyramid;     // of the keyframes' keypoints
-  int64_t stream = 0;  // of its images
+  Pyramid pyramid;     // pyramid in which the keyframes' keypoints were found
+  int64_t stream = 0;  // source of the images (ImageId::stream)
   bool closed = false;
   int64_t revision = 0;
 
   std::map<int, Keyframe> keyframes;    // by id
   IdMap<Landmark> landmarks;            // by id
-  std::map<int64_t, FramePose> frames;  // by utime_us, of the stream; keyframes have an entry too
+  std::map<int64_t, FramePose> frames;  // by utime_us; keyframes have an entry too
   Removals removed_keyframes, removed_landmarks;
 
   Keyframe* keyframe(int id);
@@ -102,33 +110,57 @@ class Submap {
   Landmark* landmark(int id) { return landmarks.get(id); }
   const Landmark* landmark(int id) const { return landmarks.get(id); }
 
-  // Both directions of an observation; replaces whatever the keypoint observed before. False, and nothing changed, if
-  // an id or index does not exist or the landmark is already observed in that keyframe.
+  // Turns this copy of another submap into the beginning of the front submap `key`: it is open, and all its elements
+  // count as new.
+  void begin_front_submap(SubmapKey key);
+  // Marks the submap as complete. Does nothing if it is closed already.
+  void close();
+
+  // Adds a keyframe, which must have a new id, features and a pose. It does not observe any landmark yet.
+  Keyframe& add_keyframe(Keyframe keyframe);
+  // Adds a landmark with a new id. No keyframe observes it yet.
+  Landmark& add_landmark(int id, const Eigen::Vector3d& position);
+  // Adds the pose of a frame, or replaces it. Its `revision` is set here.
+  void set_frame(FramePose frame);
+
+  // move_keyframe() and move_landmark() do nothing if the id does not exist.
+  void move_keyframe(int id, const SE3& cam_from_submap);
+  void move_landmark(int id, const Eigen::Vector3d& position);
+  // Says that the keyframe's features have changed, so that the next update sends them again.
+  void renew_features(int keyframe_id);
+
+  // Adds both directions of an observation, and replaces what the keypoint observed before. Returns false, and changes
+  // nothing, if an id or index does not exist or the keyframe observes the landmark already.
   bool add_observation(int landmark_id, int keyframe_id, int keypoint_index);
   void remove_observation(int landmark_id, int keyframe_id);
   void remove_landmark(int id);
-  // Frames that hang on the keyframe move to `heir` (which must exist), their poses unchanged.
+  // Lets the frames that refer to the keyframe refer to `heir`, with unchanged poses, and removes it. Does nothing if
+  // `heir` does not exist.
   void remove_keyframe(int id, int heir);
+  // Removes the frames from `utime_us` on. An update cannot name removed frames, so copies are sent the whole submap
+  // next.
+  void remove_frames_from(int64_t utime_us);
 
-  // Every observation of `from` passes to `into` unless the keyframe already observes `into`; `from` is removed.
+  // Gives the observations of `from` to `into`, unless their keyframe observes `into` already. Removes `from`.
   void fuse_landmarks(int into, int from);
 
-  // cam_from_submap of a frame or nothing when it has no pose here.
+  // Returns nullptr if the frame has no pose in this submap.
   const FramePose* frame(int64_t utime_us) const;
-  // Throws std::logic_error if the frame hangs on a keyframe that does not exist.
+  // Throws std::logic_error if the frame's reference keyframe does not exist.
   SE3 cam_from_submap(const FramePose& frame) const;
 
-  // Keyframes that share landmarks with this one: id -> number shared, strongest first (ties by id).
+  // Returns the keyframes that share landmarks with this one, as (id, number shared), strongest first (ties by id).
   std::vector<std::pair<int, int>> covisible_keyframes(int keyframe_id) const;
 
-  // The revision that a change belongs to.
-  int64_t stamp() { return revision = std::max(revision, handed_out_ + 1); }
-  void touch(Keyframe& keyframe) { keyframe.revision = stamp(); }
-  void touch(Landmark& landmark) { landmark.revision = stamp(); }
-  // Others know this revision now: what changes from here on is of a newer one.
+  // To be called when an update has been made: later changes get a newer revision.
   void hand_out() { handed_out_ = revision; }
 
  private:
+  // Returns the revision for a change that is made now.
+  int64_t stamp() { return revision = std::max(revision, handed_out_ + 1); }
+  void touch(Keyframe& keyframe) { keyframe.revision = stamp(); }
+  void touch(Landmark& landmark) { landmark.revision = stamp(); }
+
   int64_t handed_out_ = 0;
 };
 

@@ -5,10 +5,12 @@
 
 namespace rumi {
 
-// As in track_t; kUnknown: the frame is known from a submap only, its RUMI_TRACK message was lost.
+// The values are those of track_t. kUnknown: its RUMI_TRACK message was lost, and the frame is known only from a
+// submap.
 enum class TrackingState : int8_t { kUnknown = -1, kNotInitialized = 0, kTracking = 1, kRecentlyLost = 2, kLost = 3 };
 
-// How many frames back front_tracker may give or withdraw a pose at most, and whoever follows it is ready for.
+// The number of latest frames to which front_tracker may give poses afterwards, or from which it may withdraw them.
+// Receivers of its messages keep as many frames.
 inline constexpr int kMostRetoldFrames = 120;
 
 const char* to_string(TrackingState state);

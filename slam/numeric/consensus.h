@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Consensus by sampling (RANSAC; Fischler and Bolles, CACM 1981), of models that three elements tell.
+// Consensus by sampling (RANSAC; Fischler and Bolles, CACM 1981) for models that three elements determine.
 #pragma once
 
 #include <algorithm>
@@ -16,12 +16,14 @@
 namespace rumi {
 
 struct SamplingOptions {
-  int samples = 500;                   // drawn, at most
-  double miss_probability = 0;         // of no right sample among those drawn; small enough, the search ends (0: never)
-  std::mt19937::result_type seed = 0;  // fixed: the same answer every time
+  int samples = 500;                   // samples drawn, at most
+  double miss_probability = 0;         // the search ends once the probability that no sample was right is so low; 0: it
+                                       // draws all
+  std::mt19937::result_type seed = 0;  // fixed, so that the answer is always the same
 };
 
-// So many that one is right, but for the probability to miss, if that share of the elements is right.
+// Returns how many samples are needed so that one is right with probability 1 - miss_probability, if `share` of the
+// elements are right.
 inline int samples_needed(double share, double miss_probability) {
   if (miss_probability <= 0) return std::numeric_limits<int>::max();
   const double right = std::min(share * share * share, 1 - 1e-9);
@@ -31,11 +33,12 @@ inline int samples_needed(double share, double miss_probability) {
 template <class Model>
 struct Consensus {
   Model model;
-  std::vector<int> members;  // the elements that agree with it
+  std::vector<int> members;  // elements that agree with the model
 };
 
-// Of elements 0 ... count - 1. `propose` takes the three of a sample and returns a std::optional of a model; `agreeing`
-// takes a model and returns the elements that agree with it. Nothing if no sample gives a model that any agrees with.
+// Searches the elements 0 ... count - 1. `propose` takes the three elements of a sample and returns a std::optional of
+// a model; `agreeing` takes a model and returns the elements that agree with it. Returns nullopt if no model was
+// proposed with which any element agrees.
 template <class Propose, class Agreeing>
 auto find_consensus_of_three(size_t count, const SamplingOptions& options, Propose propose, Agreeing agreeing) {
   using Model = typename std::invoke_result_t<Propose, std::array<int, 3>>::value_type;

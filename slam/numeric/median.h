@@ -8,8 +8,8 @@
 
 namespace rumi {
 
-// The middle value; of an even number the upper of the two in the middle, so that it is always one of the values (no
-// mean, which whole numbers would have to round). Reorders them. Precondition: at least one value, none of them NaN.
+// Returns the middle value, or the upper of the two middle ones, so that it is always one of the values (a mean of
+// whole numbers would have to be rounded). Reorders the values. Precondition: at least one value, none of them NaN.
 template <class T>
 T median(std::vector<T>* values) {
   const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
@@ -17,16 +17,20 @@ T median(std::vector<T>* values) {
   return *middle;
 }
 
-// Of values scattered about one: their median, and how well it is known.
+// Standard deviation / median absolute deviation of a normal distribution.
+inline constexpr double kSigmaFromMad = 1.4826;
+
+// A median and its standard error.
 struct RobustMean {
   double value = 0, sigma = 0;
 };
 
-// sigma: the standard error of the median, from the median absolute deviation, as if `independent` of the values were
-// independent. Leaves the absolute deviations in *values. Precondition: at least one value, none of them NaN.
+// Returns the median and its standard error. The error follows from the median absolute deviation as if `independent`
+// of the values were independent. Leaves the absolute deviations in *values. Precondition: at least one value, none
+// NaN.
 inline RobustMean robust_mean(std::vector<double>* values, double independent) {
-  constexpr double kSigmaFromMad = 1.4826;          // of a normal distribution
-  constexpr double kMedianErrorOverMeans = 1.2533;  // of one, too: sqrt(pi / 2)
+  constexpr double kMedianErrorOverMeans = 1.2533;  // sqrt(pi / 2): standard error of the median / that of the mean,
+                                                    // for a normal distribution
   const double middle = median(values);
   for (double& value : *values) value = std::abs(value - middle);
   return {middle, kMedianErrorOverMeans * kSigmaFromMad * median(values) / std::sqrt(independent)};

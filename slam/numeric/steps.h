@@ -8,7 +8,7 @@
 
 namespace rumi {
 
-// From each value to the next.
+// Returns the differences from each value to the next.
 template <class T>
 std::vector<T> steps(const std::vector<T>& values) {
   std::vector<T> differences;
@@ -16,7 +16,7 @@ std::vector<T> steps(const std::vector<T>& values) {
   return differences;
 }
 
-// The median of the steps upwards; 0 if there are none.
+// Returns the median of the positive steps; 0 if there are none.
 template <class T>
 T usual_step(const std::vector<T>& values) {
   std::vector<T> upwards = steps(values);

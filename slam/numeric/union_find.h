@@ -8,12 +8,12 @@
 
 namespace rumi {
 
-// Which of the elements 0, 1, 2, ... hang together. The lowest of a group stands for all of it.
+// The connected groups of the elements 0, 1, 2, ... The lowest element of a group represents it.
 class UnionFind {
  public:
   explicit UnionFind(size_t elements = 0) : parent_(elements) { std::iota(parent_.begin(), parent_.end(), size_t{0}); }
 
-  // One more, alone; returns it.
+  // Adds an element as a group of its own, and returns it.
   size_t add() {
     parent_.push_back(parent_.size());
     return parent_.back();

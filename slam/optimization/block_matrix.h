@@ -8,7 +8,7 @@
 
 namespace rumi {
 
-// A symmetric matrix of 6x6 blocks, of which only those of a pattern differ from zero. The lower half is kept.
+// A sparse symmetric matrix of 6x6 blocks with a fixed pattern. It stores the lower half.
 class BlockMatrix {
  public:
   struct Entry {
@@ -16,18 +16,18 @@ class BlockMatrix {
     Matrix6d block;
   };
 
-  // columns: of each row, those with a block, in ascending order; the last one is the row itself.
+  // `columns`: for each row, the columns that have a block, ascending. The last one is the row itself.
   explicit BlockMatrix(const std::vector<std::vector<int>>& columns);
 
-  int size() const { return static_cast<int>(rows_.size()); }  // blocks
-  // Of all blocks, the share that may differ from zero.
+  int size() const { return static_cast<int>(rows_.size()); }  // number of rows of blocks
+  // Returns the share of the blocks of the whole matrix that may differ from zero.
   double filled() const;
   void set_zero();
   std::vector<Entry>& row(int r) { return rows_[r]; }
   const std::vector<Entry>& row(int r) const { return rows_[r]; }
   Matrix6d& diagonal(int r) { return rows_[r].back().block; }
   const Matrix6d& diagonal(int r) const { return rows_[r].back().block; }
-  // *y = this * x.
+  // Computes *y = this * x.
   void multiply(const Eigen::VectorXd& x, Eigen::VectorXd* y) const;
 
  private:

@@ -16,11 +16,11 @@ namespace {
 
 using Matrix63d = Eigen::Matrix<double, 6, 3>;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Of the diagonal that is damped: what nothing is known about stays where it is.
+// The least value of the diagonal when it is damped: an unknown that nothing determines stays where it is.
 constexpr double kMinDiagonal = 1e-6;
 
-// Damping: the diagonal divided by the radius of a trust region (Madsen et al., "Methods for Non-Linear Least Squares
-// Problems", 2004, eq. 2.21).
+// The damping is the diagonal divided by the radius of a trust region (Madsen et al., "Methods for Non-Linear Least
+// Squares Problems", 2004, eq. 2.21).
 class TrustRegion {
  public:
   double damping() const { return 1 / radius_; }
@@ -44,7 +44,7 @@ struct State {
   std::vector<Eigen::Vector3d> points;
 };
 
-// Squared error, its linear part beyond `chi2` (Huber, 1964), and the weight that makes it so.
+// Huber's loss (1964) of a squared error s, linear beyond `chi2`, and the weight that it gives to the error.
 struct Huber {
   double chi2;
   double rho(double s) const { return s <= chi2 ? s : 2 * std::sqrt(chi2 * s) - chi2; }
@@ -55,12 +55,12 @@ class NormalEquations {
  public:
   NormalEquations(const Camera& camera, const BundleOptions& options, const BundleProblem& problem);
   bool has_free_views() const { return !free_.empty(); }
-  // Half the sum of the robust squared errors; infinite when a point is behind a camera that sees it.
+  // Returns half the sum of the robust squared errors; infinite if a point is behind a camera that observes it.
   double cost(const State& state) const;
-  // The normal equations at the state.
+  // Computes the normal equations at the state.
   void linearize(const State& state);
-  // Where the damped normal equations lead, and by how much they say that the cost falls; nothing when they cannot be
-  // solved.
+  // Returns the state after the step that solves the damped normal equations; *predicted is the decrease of the cost
+  // that it promises. Returns nullopt if they cannot be solved.
   std::optional<State> step(const State& from, double damping, ReducedSolver* solver, double* predicted);
 
  private:
@@ -69,10 +69,10 @@ class NormalEquations {
     WhitenedProjection projection;
   };
   struct Point {
-    int begin = 0, end = 0;  // of its observations
+    int begin = 0, end = 0;  // range of its observations in observations_
     Eigen::Matrix3d hessian;
     Eigen::Vector3d gradient;
-    Eigen::Matrix3d inverse;  // of the damped hessian
+    Eigen::Matrix3d inverse;  // inverse of the damped hessian
   };
   struct Unknown {  // a view that is not fixed
     int view;
@@ -82,19 +82,20 @@ class NormalEquations {
 
   std::vector<std::vector<int>> pattern() const;
   void add(const Observation& o, const State& state, Point* point, Matrix63d* mixed);
-  // Of the point's observations those by views that are not fixed: as rows of the system, and index.
+  // Eliminates a point from the views' system (Schur complement): subtracts its part from system_ and right_. Keeps the
+  // inverse of its damped hessian.
   void eliminate(Point* point, double damping);
   Eigen::Vector3d back_substitute(const Point& point) const;
 
   Huber huber_;
-  std::vector<Observation> observations_;  // in order of their points
+  std::vector<Observation> observations_;  // sorted by point
   std::vector<Point> points_;
   std::vector<Unknown> free_;
-  std::vector<int> unknown_of_;      // view -> index in free_, -1 when fixed or not seen by any point
-  std::vector<Matrix63d> mixed_;     // of each observation: second derivative by view and point; nothing of fixed views
-  std::vector<Matrix63d> weighted_;  // of the observations of one point
-  std::optional<BlockMatrix> system_;  // of the views, the points eliminated
-  Eigen::VectorXd right_, twists_;     // its right side and its solution
+  std::vector<int> unknown_of_;   // by view: index in free_; -1 if it is fixed or sees no point
+  std::vector<Matrix63d> mixed_;  // by observation: mixed second derivative by view and point; not used for fixed views
+  std::vector<Matrix63d> weighted_;    // scratch of eliminate(), by observation of its point: mixed_ * Point::inverse
+  std::optional<BlockMatrix> system_;  // system of the views, without the points
+  Eigen::VectorXd right_, twists_;     // right side and solution of system_
 };
 
 NormalEquations::NormalEquations(const Camera& camera, const BundleOptions& options, const BundleProblem& problem)
@@ -128,7 +129,8 @@ NormalEquations::NormalEquations(const Camera& camera, const BundleOptions& opti
   system_.emplace(pattern());
 }
 
-// Of each view that is not fixed those before it, and itself, that see a point in common. Of a few views all.
+// Returns for each free view the free views, up to itself, that observe a common point. If there are only a few views,
+// it returns all of them.
 std::vector<std::vector<int>> NormalEquations::pattern() const {
   const auto n = static_cast<int>(free_.size());
   std::vector<std::vector<int>> columns(n);
@@ -181,7 +183,7 @@ void NormalEquations::add(const Observation& o, const State& state, Point* point
   const View& view = state.views[o.view];
   const Eigen::Vector3d p = view.rotation * state.points[o.point] + view.cam_from_submap.translation;
   const Eigen::Vector2d error = o.projection.error(p);
-  Eigen::Matrix3d hessian;  // by the point in the camera's frame
+  Eigen::Matrix3d hessian;  // second derivative by the point's coordinates in the camera's frame
   Eigen::Vector3d gradient;
   o.projection.normal_equations(p, error, huber_.weight(error.squaredNorm()), &hessian, &gradient);
 
@@ -189,7 +191,7 @@ void NormalEquations::add(const Observation& o, const State& state, Point* point
   point->hessian.noalias() += view.rotation.transpose() * by_point;
   point->gradient.noalias() += view.rotation.transpose() * gradient;
   if (unknown_of_[o.view] < 0) return;
-  // The view moves by exp(twist) on the left: p by translation + rotation x p.
+  // A twist moves the view by exp(twist) on the left, and p by its translation + its rotation x p.
   Unknown& unknown = free_[unknown_of_[o.view]];
   const Eigen::Matrix3d cross = skew(p);
   const Eigen::Matrix3d turned = cross * hessian;
@@ -207,7 +209,7 @@ void damp(double damping, Matrix* hessian) {
   for (int i = 0; i < hessian->rows(); ++i) (*hessian)(i, i) += damping * std::max((*hessian)(i, i), kMinDiagonal);
 }
 
-// result -= a * b^T, a quarter faster than as one product: a column of it is made of whole columns of a.
+// Computes result -= a * b^T. A quarter faster than Eigen's product, because it works on whole columns of a.
 void subtract_product(const Matrix63d& a, const Matrix63d& b, Matrix6d* result) {
   for (int c = 0; c < 6; ++c) result->col(c).noalias() -= a.col(0) * b(c, 0) + a.col(1) * b(c, 1) + a.col(2) * b(c, 2);
 }
@@ -266,7 +268,7 @@ std::optional<State> NormalEquations::step(const State& from, double damping, Re
     if (point.begin < point.end) eliminate(&point, damping);
   if (!solver->solve(*system_, right_, &twists_)) return std::nullopt;
 
-  // Half of step * (right side + damping * diagonal * step), the right side being the negative gradient.
+  // The prediction is half of step * (damping * diagonal * step - gradient).
   double twice = 0;
   const auto predict = [&](const auto& step, const auto& gradient, const auto& hessian) {
     twice -= step.dot(gradient);
@@ -301,7 +303,7 @@ State state_of(const BundleProblem& problem) {
 }  // namespace
 
 BundleReport BundleSolver::solve(const Camera& camera, const BundleOptions& options, BundleProblem* problem) {
-  constexpr double kMinGain = 1e-3;  // of what a step promised, or it is taken back
+  constexpr double kMinGain = 1e-3;  // a step that gains a smaller part of the predicted decrease is undone
   BundleReport report;
   NormalEquations bundle(camera, options, *problem);
   State state = state_of(*problem);

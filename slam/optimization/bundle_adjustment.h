@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bundle adjustment: camera poses and points that minimize the reprojection error (Huber loss). Indices, not maps, so
-// that a snapshot of part of a submap can be solved while the submap itself goes on changing.
+// Bundle adjustment: finds the camera poses and points that minimize the reprojection error (Huber loss). The problem
+// is a copy with indices, so that part of a submap can be solved while the submap itself goes on changing.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,7 +23,7 @@ struct BundleProblem {
     int point = 0;
     Eigen::Vector2d pixel;  // undistorted
     double sigma_px = 1.0;
-    // What the error is multiplied by besides 1/sigma_px (slam/features/keypoint_whitening.h).
+    // The error is multiplied by this matrix and divided by sigma_px (slam/features/keypoint_whitening.h).
     Eigen::Matrix2d whitening = Eigen::Matrix2d::Identity();
   };
   std::vector<View> views;
@@ -33,35 +33,37 @@ struct BundleProblem {
 
 struct BundleOptions {
   int iterations = 5;
-  double huber_chi2 = 5.991;                  // where the loss turns from squared to linear, in sigma^2
-  double function_tolerance = 1e-4;           // ends when the cost falls by less, relatively
-  const std::atomic<bool>* cancel = nullptr;  // true ends the iterations
+  double huber_chi2 = 5.991;                  // squared error in sigma^2 beyond which the loss is linear
+  double function_tolerance = 1e-4;           // the iterations end when the cost changes by a smaller part of itself
+  const std::atomic<bool>* cancel = nullptr;  // if not null, true ends the iterations
 };
 
 struct BundleReport {
-  bool usable = false;  // false: nothing to solve, or a point is behind a camera that sees it; the problem is unchanged
+  bool usable = false;  // false: no view is free, or a point is behind a camera that sees it; the problem is unchanged
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;
 };
 
 class ReducedSolver;
 
-// Solves problems one after another. Where they are of the same views and differ little, the later ones cost less.
+// Solves problems one after another. If a problem has the same views as the one before and differs little, it costs
+// less.
 class BundleSolver {
  public:
   BundleSolver();
   ~BundleSolver();
-  // At least one view should be fixed, or two where the scale shall not drift.
+  // At least one view should be fixed. Two fixed views also keep the scale.
   BundleReport solve(const Camera& camera, const BundleOptions& options, BundleProblem* problem);
 
  private:
   std::unique_ptr<ReducedSolver> solver_;
 };
 
-// One problem.
+// Solves one problem.
 BundleReport solve_bundle(const Camera& camera, const BundleOptions& options, BundleProblem* problem);
 
-// Squared reprojection error of an observation in units of sigma^2; infinite behind the camera.
+// Returns the squared reprojection error of an observation in units of sigma^2; infinite if the point is behind the
+// camera.
 double reprojection_chi2(const Camera& camera, const BundleProblem& problem, const BundleProblem::Observation& o);
 
 }  // namespace rumi

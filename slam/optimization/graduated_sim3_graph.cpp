@@ -9,7 +9,7 @@
 namespace rumi {
 namespace {
 
-constexpr double kStep = 1.4;  // of mu, as in the paper
+constexpr double kStep = 1.4;  // factor by which mu grows in each step, as in the paper
 constexpr int kMostSteps = 40;
 
 class Graduated {
@@ -39,7 +39,7 @@ class Graduated {
     return worst;
   }
 
-  // From nearly convex to truncated least squares.
+  // Solves again and again, while the loss goes from nearly convex to truncated least squares.
   void anneal(double mu, GraduatedReport* report) {
     for (int step = 0; step < kMostSteps; ++step, mu *= kStep) {
       for (size_t g = 0; g < groups_.size(); ++g)
@@ -52,7 +52,7 @@ class Graduated {
     }
   }
 
-  // Equation 14 of the paper.
+  // Returns the weight of a group with this chi2: equation 14 of the paper.
   double weight(double chi2, double mu) const {
     if (chi2 <= mu / (mu + 1) * o_.max_chi2) return 1;
     if (!(chi2 < (mu + 1) / mu * o_.max_chi2)) return 0;

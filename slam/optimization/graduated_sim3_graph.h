@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A pose graph some of whose edges may be wrong: which are, and where the nodes are without them. Graduated
-// non-convexity with truncated least squares (Yang, Antonante, Tzoumas and Carlone, "Graduated Non-Convexity for Robust
-// Spatial Perception", RA-L 2020): all are believed at first, and the farther out of what the others say one is, the
-// less it counts, step by step, until each counts in full or not at all.
+// Solves a pose graph that may have wrong edges, and finds these edges. It uses graduated non-convexity with truncated
+// least squares (Yang, Antonante, Tzoumas and Carlone, "Graduated Non-Convexity for Robust Spatial Perception", RA-L
+// 2020): at first all groups of edges have full weight. Step by step, the weight of groups that contradict the others
+// falls, until each group has full weight or none.
 #pragma once
 
 #include <cstddef>
@@ -15,18 +15,19 @@ namespace rumi {
 
 struct GraduatedOptions {
   Sim3GraphOptions graph;
-  double max_chi2 = 100;  // of a group that is right
+  double max_chi2 = 100;  // largest group_chi2 of a right group
 };
 
 struct GraduatedReport {
-  Sim3GraphReport solved;          // without the wrong groups; edge_chi2 of all edges, those of wrong groups too
-  std::vector<double> group_chi2;  // median of its edges
-  std::vector<bool> is_wrong;      // per group
+  Sim3GraphReport solved;          // solution without the wrong groups; edge_chi2 has all edges, also those of wrong
+                                   // groups
+  std::vector<double> group_chi2;  // by group: median of its edges' chi2
+  std::vector<bool> is_wrong;      // by group
 };
 
-// groups: indices of edges that are right or wrong together, each in one group at most; edges of none are right, and so
-// are groups that cannot be wrong, which is asked only if there is one above max_chi2 in the first solution. Where none
-// is, nothing is wrong. At least one node must be fixed.
+// `groups`: edges that are right or wrong together; an edge is in one group at most, and right if it is in none.
+// `may_be_wrong(i)`: false if group i must be kept. It is called only if some group exceeds max_chi2 in the first
+// solution; otherwise no group is wrong. At least one node must be fixed.
 GraduatedReport solve_graduated(const GraduatedOptions& options, const std::vector<std::vector<int>>& groups,
                                 const std::function<bool(size_t group)>& may_be_wrong, Sim3Graph* graph);
 

@@ -9,14 +9,14 @@
 namespace rumi {
 namespace {
 
-// An observation, ready for many poses.
+// A PointObservation, prepared for evaluation at many poses.
 struct Sighting {
   Eigen::Vector3d point;
   WhitenedProjection projection;
   double weight;
 };
 
-// Squared error in units of sigma; a point behind the camera is infinitely wrong.
+// Returns the squared error in sigma^2; infinite if the point is behind the camera.
 double chi2(const Sighting& s, const Eigen::Matrix3d& r, const Eigen::Vector3d& t) {
   const Eigen::Vector3d p = r * s.point + t;
   if (!(p.z() > 1e-6)) return std::numeric_limits<double>::infinity();
@@ -26,7 +26,7 @@ double chi2(const Sighting& s, const Eigen::Matrix3d& r, const Eigen::Vector3d& 
 double huber_cost(double e2, double delta2) { return e2 <= delta2 ? e2 : 2 * std::sqrt(delta2 * e2) - delta2; }
 
 struct NormalEquations {
-  Matrix6d h = Matrix6d::Zero();  // the lower half counts
+  Matrix6d h = Matrix6d::Zero();  // only the lower half is used
   Vector6d g = Vector6d::Zero();
   double cost = 0;
 };
@@ -43,7 +43,7 @@ void add_sightings(const SE3& pose, const std::vector<Sighting>& sightings, cons
     const double weight = sightings[i].weight;
     const double w = robust && e2 > delta2 ? weight * std::sqrt(delta2 / e2) : weight;
     n->cost += weight * (robust ? huber_cost(e2, delta2) : e2);
-    // exp(twist) * pose moves the point by translation + rotation x p.
+    // The twist in exp(twist) * pose moves p by its translation + its rotation x p.
     Eigen::Matrix3d hessian, turned;
     Eigen::Vector3d gradient;
     sightings[i].projection.normal_equations(p, e, w, &hessian, &gradient);
@@ -56,14 +56,15 @@ void add_sightings(const SE3& pose, const std::vector<Sighting>& sightings, cons
   }
 }
 
-constexpr double kEpipolarChi2 = 3.841;  // 95 % of a 1-D normal distribution
+constexpr double kEpipolarChi2 = 3.841;  // squared error in sigma^2 up to which the weight is 1: 95 % of a 1-D normal
+                                         // distribution
 
 void add_epipolar(const Camera& camera, const SE3& pose, const EpipolarView& view, NormalEquations* n) {
   const double f = 0.5 * (camera.fx + camera.fy);
   const SE3 cam_from_view = pose * view.cam_from_submap.inverse();
   const Eigen::Matrix3d r = cam_from_view.rotation.toRotationMatrix();
   for (const EpipolarView::Match& match : view.matches) {
-    // The epipolar constraint b·(t × R a) = 0, over the length of its gradient by both rays.
+    // The epipolar constraint b·(t × R a) = 0, divided by the length of its gradient by both rays.
     const Eigen::Vector3d b = camera.ray(match.pixel), ra = r * camera.ray(match.pixel_there);
     const Eigen::Vector3d normal = cam_from_view.translation.cross(ra);
     const Eigen::Vector3d normal_there = r.transpose() * b.cross(cam_from_view.translation);
@@ -73,7 +74,8 @@ void add_epipolar(const Camera& camera, const SE3& pose, const EpipolarView& vie
     const bool is_far = e2 > kEpipolarChi2;
     const double w = is_far ? kEpipolarChi2 * kEpipolarChi2 / (e2 * e2) : 1.0;
     n->cost += is_far ? kEpipolarChi2 * (2 - kEpipolarChi2 / e2) : e2;
-    // d/d(twist) with the gradient held; the rotation's part is (t × R a) × b by Jacobi's identity.
+    // The derivative by the twist, with `gradient` held fixed; by Jacobi's identity the rotation's part is (t × R a) ×
+    // b.
     Vector6d j;
     j << s * ra.cross(b), s * normal.cross(b);
     n->h.noalias() += w * j * j.transpose();
@@ -81,10 +83,10 @@ void add_epipolar(const Camera& camera, const SE3& pose, const EpipolarView& vie
   }
 }
 
-// What a pose is to explain.
+// The observations and matches that a pose has to explain.
 struct Seen {
   const std::vector<Sighting>& sightings;
-  const std::vector<bool>& use;  // per sighting
+  const std::vector<bool>& use;  // by sighting
   const std::vector<EpipolarView>& views;
 };
 
@@ -95,9 +97,9 @@ NormalEquations linearize(const Camera& camera, const SE3& pose, const Seen& see
   return n;
 }
 
-constexpr double kStalled = 1e-6;  // of the cost: what a step gains
+constexpr double kStalled = 1e-6;  // the steps end when one lowers the cost by a smaller part of it
 
-// Levenberg-Marquardt steps until the cost stalls. False on a singular system.
+// Takes Levenberg-Marquardt steps until the cost stalls. Returns false if the system is singular.
 bool minimize(const Camera& camera, const Seen& seen, bool robust, const PoseOptimizerOptions& options, SE3* pose) {
   double lambda = 1e-6;
   NormalEquations n = linearize(camera, *pose, seen, robust, options.inlier_chi2);
@@ -142,7 +144,7 @@ PoseResult optimize_pose(const Camera& camera, const SE3& initial, const std::ve
   }
   for (int round = 0; round < options.rounds; ++round) {
     if (result.inliers < 6) return result;
-    // The last round trusts its inliers; the earlier ones need the robust loss.
+    // The last round trusts its inliers and minimizes squared errors; the earlier ones need the robust loss.
     const bool robust = round + 1 < options.rounds;
     SE3 pose = result.cam_from_submap;
     if (!minimize(camera, {sightings, result.inlier, views}, robust, options, &pose) || !pose.is_finite())
@@ -160,7 +162,7 @@ PoseResult optimize_pose(const Camera& camera, const SE3& initial, const std::ve
       sum += e2;
     }
     result.rmse_px = result.inliers ? std::sqrt(sum / result.inliers) : 0;
-    // Another robust round would end where it begins.
+    // If the inliers are the same, another robust round would change nothing.
     if (robust && result.inlier == before) round = options.rounds - 2;
   }
   result.converged = result.inliers >= 6;

@@ -7,12 +7,14 @@
 namespace rumi {
 namespace {
 
-constexpr double kDenseShare = 1.0 / 8;  // of the blocks: with more, sparse is no faster
-constexpr int kDenseSize = 100;          // blocks: nor with fewer
-constexpr int kWorn = 20;                // iterations, from which a new factor costs less
-constexpr int kMost = 100;               // iterations
-constexpr double kTolerance = 1e-6;      // of what is left of the right side, in the norm of the preconditioner
-// Added to the unit diagonal of what is factored, which rounding could make indefinite.
+constexpr double kDenseShare = 1.0 / 8;  // share of blocks that may differ from zero; with more, a sparse factor is no
+                                         // faster than a dense one
+constexpr int kDenseSize = 100;          // blocks; in a system up to this size, a sparse factor is no faster either
+constexpr int kWorn = 20;                // iterations of one solution; if they are more, making a new factor costs less
+constexpr int kMost = 100;               // iterations of one solution, at most
+constexpr double kTolerance = 1e-6;      // residual / right side at which the iterations end, in the preconditioner's
+                                         // norm
+// Added to the unit diagonal before factoring, because rounding could make the matrix indefinite.
 constexpr float kRounding = 1e-5F;
 
 // Calls put(row, column, value) for the lower half of the matrix, scaled to a unit diagonal.

@@ -7,27 +7,27 @@
 
 namespace rumi {
 
-// Solves the positive definite systems of a bundle adjustment, one after another, each a little different from the one
-// before. A small one is factored. A larger one is solved by conjugate gradients (Hestenes and Stiefel, 1952); their
-// preconditioner is the factor, in single precision, of an earlier one, for as long as that serves.
+// Solves the positive definite systems of a bundle adjustment, each of which differs little from the one before. A
+// small system is factored. A larger one is solved by conjugate gradients (Hestenes and Stiefel, 1952). Their
+// preconditioner is the factor, in single precision, of an earlier system, as long as they converge quickly with it.
 class ReducedSolver {
  public:
-  static constexpr int kSmall = 60;  // blocks of a system that is factored each time
+  static constexpr int kSmall = 60;  // blocks; a system up to this size is factored each time
 
-  // False when it cannot be solved: it is not positive definite, or not finite.
+  // Returns false if the system is not positive definite or not finite.
   bool solve(const BlockMatrix& matrix, const Eigen::VectorXd& right, Eigen::VectorXd* solution);
 
  private:
   bool factorize(const BlockMatrix& matrix);
   Eigen::VectorXd precondition(const Eigen::VectorXd& residual) const;
-  // False when kMost iterations did not do.
+  // Solves by conjugate gradients. Returns false if they do not converge in kMost iterations.
   bool iterate(const BlockMatrix& matrix, const Eigen::VectorXd& right, Eigen::VectorXd* solution);
 
-  int size_ = 0;           // blocks of what was factored
-  bool is_worn_ = true;    // the factor took many iterations
-  bool is_dense_ = true;   // which of the two it is
-  Eigen::VectorXf scale_;  // one over the square root of the diagonal of what was factored
-  Eigen::MatrixXf dense_;  // in its lower half
+  int size_ = 0;           // size of the factored matrix, in rows of 6 x 6 blocks
+  bool is_worn_ = true;    // true: a new factor is due, because the last solution took many iterations
+  bool is_dense_ = true;   // true: the factor is dense_; false: it is sparse_
+  Eigen::VectorXf scale_;  // 1 / sqrt(diagonal of the factored matrix)
+  Eigen::MatrixXf dense_;  // the factor is its lower half
   Eigen::SimplicialLLT<Eigen::SparseMatrix<float>> sparse_;
 };
 

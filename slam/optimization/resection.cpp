@@ -22,7 +22,7 @@ std::optional<PoseResult> resect(const Camera& camera, const std::vector<PointOb
     found = cv::solvePnPRansac(points, pixels, k, cv::noArray(), rvec, tvec, false, options.iterations,
                                static_cast<float>(options.max_error_px), 0.99, inlier_indices, cv::SOLVEPNP_P3P);
   } catch (const cv::Exception&) {
-    return std::nullopt;  // a degenerate sample that OpenCV's solver does not survive
+    return std::nullopt;  // OpenCV's solver throws at some degenerate samples
   }
   if (!found || inlier_indices.rows < std::max(options.min_inliers / 2, 4)) return std::nullopt;
   cv::Mat rotation;

@@ -14,16 +14,16 @@ using Node = Sim3Graph::Node;
 using Edge = Sim3Graph::Edge;
 using NodeParameters = std::array<double, 8>;
 
-// A similarity as 8 numbers (x y z w of the quaternion, translation, log scale) that moves by Sim3::plus. Cost
-// functions give their derivative by that step in the first seven columns and leave the eighth zero.
+// A similarity as 8 numbers (x y z w of the quaternion, translation, log scale) that moves by Sim3::plus. The Jacobians
+// of cost functions have the derivative by that step in their first seven columns, and zeros in the eighth.
 class Sim3Manifold final : public ceres::Manifold {
  public:
   int AmbientSize() const override { return 8; }
   int TangentSize() const override { return 7; }
   bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
     Vector7d step = Eigen::Map<const Vector7d>(delta);
-    // Ceres asks where all of the gradient would lead, too. Of what is no number there it says that it converged, or
-    // not, as the processor compares it.
+    // Ceres also evaluates a step along the whole gradient. If the result were NaN, Ceres would report convergence or
+    // not depending on how the processor compares NaN.
     step[6] = std::clamp(step[6], -kLargestStep, kLargestStep);
     write(read(x).plus(step), x_plus_delta);
     return true;
@@ -44,7 +44,7 @@ class Sim3Manifold final : public ceres::Manifold {
     j.leftCols<7>().setIdentity();
     return true;
   }
-  static constexpr double kLargestStep = 100;  // of the log scale
+  static constexpr double kLargestStep = 100;  // largest change of the log scale in one step
 
   static Sim3 read(const double* x) {
     return {std::exp(x[7]), Eigen::Quaterniond(x[3], x[0], x[1], x[2]), Eigen::Vector3d(x[4], x[5], x[6])};
@@ -63,7 +63,7 @@ Vector7d weights(const Edge& e) {
   return w;
 }
 
-// In units of sigma.
+// The residual of an edge in units of sigma.
 Vector7d edge_error(const Edge& e, const Sim3& map_from_first, const Sim3& map_from_second) {
   const Sim3 predicted = map_from_second.inverse() * map_from_first;
   return weights(e).cwiseProduct(predicted.minus(e.second_from_first, e.pivot_first));
@@ -85,7 +85,8 @@ class EdgeError final : public ceres::SizedCostFunction<7, 8, 8> {
     const Eigen::Vector3d turn = so3_log(second.rotation.conjugate() * first.rotation * measured.rotation.conjugate());
     const Eigen::Matrix3d by_turn = so3_left_jacobian(turn).inverse() * second_from_map;
     const Eigen::Matrix3d by_move = second_from_map / second.scale;
-    const Eigen::Vector3d arm = first.scale * (first.rotation * edge_.pivot_first);  // of the pivot, in the map
+    const Eigen::Vector3d arm = first.scale * (first.rotation * edge_.pivot_first);  // from the first node to the
+                                                                                     // pivot, in the map
     const Eigen::Vector3d pivot = arm + first.translation - second.translation;
     if (jacobians[0]) write(by_turn, by_move, arm, 1, jacobians[0]);
     if (jacobians[1]) write(by_turn, by_move, pivot, -1, jacobians[1]);
@@ -93,7 +94,8 @@ class EdgeError final : public ceres::SizedCostFunction<7, 8, 8> {
   }
 
  private:
-  // The pivot is at `arm` from the node that steps, in the map; the second node's step acts the opposite way.
+  // Writes the derivative of the error by the step of one node. `arm` leads from that node to the pivot, in the map.
+  // `sign` is -1 for the second node, whose step acts the opposite way.
   void write(const Eigen::Matrix3d& by_turn, const Eigen::Matrix3d& by_move, const Eigen::Vector3d& arm, double sign,
              double* jacobian) const {
     Eigen::Map<Eigen::Matrix<double, 7, 8, Eigen::RowMajor>> j(jacobian);
@@ -131,7 +133,7 @@ std::string check(const Sim3Graph& graph) {
   return {};
 }
 
-// Per node, whether edges join it to a fixed one.
+// Returns for each node whether a chain of edges connects it to a fixed node.
 std::vector<bool> connected_nodes(const Sim3Graph& graph) {
   std::vector<std::vector<int>> neighbours(graph.nodes.size());
   for (const Edge& e : graph.edges) {
@@ -156,16 +158,17 @@ std::vector<bool> connected_nodes(const Sim3Graph& graph) {
 }
 
 ceres::Solver::Options solver_options(const Sim3GraphOptions& options, size_t nodes) {
-  // CHOLMOD is four times as fast on thousands of nodes. Below, its threads are not worth their while.
+  // CHOLMOD is four times as fast on thousands of nodes. On few, its threads cost more than they save.
   constexpr size_t kLarge = 500;
   const bool cholmod = nodes >= kLarge && ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE);
   ceres::Solver::Options o;
   o.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   o.sparse_linear_algebra_library_type = cholmod ? ceres::SUITE_SPARSE : ceres::EIGEN_SPARSE;
   o.max_num_iterations = options.iterations;
-  // Nearly Gauss-Newton from the start: the default damps the slow bending of long chains, which is what is sought.
+  // The solver begins nearly as Gauss-Newton: the default radius damps the slow bending of long chains, which is what
+  // we want to find.
   o.initial_trust_region_radius = 1e10;
-  o.num_threads = 1;  // repeatable to the bit
+  o.num_threads = 1;  // so that results are the same to the bit
   o.logging_type = ceres::SILENT;
   return o;
 }

@@ -17,22 +17,22 @@ using Matrix37d = Eigen::Matrix<double, 3, 7>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Residual in units of sigma; its derivative by the step of Sim3::plus about the pivot.
+// A residual in units of sigma, and its derivative by the step in Sim3::plus(step, pivot).
 template <int N>
 struct Term {
   Eigen::Matrix<double, N, 1> residual;
   Eigen::Matrix<double, N, 7> jacobian;
-  double chi2 = kInfinity;  // infinite: behind the camera; nothing else is set then
+  double chi2 = kInfinity;  // infinite if the point is behind the camera; then the other members are not set
 };
 
-// Derivative of the image x in B of a point of A, when the image of the pivot is at `center`.
+// Returns the derivative of x by the step of b_from_a. x is the image in B of a point of A, `center` that of the pivot.
 Matrix37d image_by_step(const Eigen::Vector3d& x, const Eigen::Vector3d& center) {
   Matrix37d g;
   g << -skew(x - center), Eigen::Matrix3d::Identity(), x - center;
   return g;
 }
 
-// by_step: derivative of the point, given in the frame of the submap that has the camera.
+// `point` is in the submap that has the camera; by_step is its derivative by the step of b_from_a.
 Term<2> reproject(const Camera& camera, const Observation& o, const Eigen::Vector3d& point, const Matrix37d& by_step) {
   Term<2> term;
   const Eigen::Vector3d p = o.cam_from_other * point;
@@ -46,7 +46,7 @@ Term<2> reproject(const Camera& camera, const Observation& o, const Eigen::Vecto
   return term;
 }
 
-// The problem at one value of b_from_a.
+// Residuals and derivatives at one value of b_from_a.
 class Linearization {
  public:
   Linearization(const Camera& camera, const Sim3& b_from_a, const Eigen::Vector3d& pivot_a)
@@ -60,7 +60,7 @@ class Linearization {
     const Eigen::Vector3d point_b = b_from_a_ * o.point;
     return reproject(camera_, o, point_b, image_by_step(point_b, center_));
   }
-  // A step of b_from_a moves the point of A that is seen at point_b the opposite way.
+  // A step of b_from_a moves the image in A of a point of B the opposite way.
   Term<2> b_into_a(const Observation& o) const {
     return reproject(camera_, o, a_from_b_ * o.point, -a_by_b_ * image_by_step(o.point, center_));
   }
@@ -93,7 +93,7 @@ class Linearization {
   Eigen::Vector3d center_;
 };
 
-// Which terms take part.
+// The terms that take part in a round.
 struct Selection {
   std::vector<bool> a_into_b, b_into_a, frame_pairs;
   std::vector<ScaleMeasurement> scales;
@@ -104,7 +104,8 @@ struct NormalEquations {
   Vector7d g = Vector7d::Zero();
   double cost = 0;
 
-  // huber_chi2 infinite: squared loss. A term behind the camera makes the cost infinite: a step to refuse.
+  // Adds a term. If huber_chi2 is infinite, the loss is squared. A point behind the camera makes the cost infinite, so
+  // that the step is refused.
   template <int N>
   void add(const Term<N>& term, double huber_chi2) {
     if (std::isinf(term.chi2)) {
@@ -119,8 +120,8 @@ struct NormalEquations {
   }
 };
 
-// Of the squared length of an N-D normal variable (N even), the mean of those below the threshold over N: how much
-// smaller the residuals of the inliers look than they are.
+// Returns the mean squared length, divided by n, of those n-D standard normal variables (n even) whose squared length
+// is below the threshold: inliers that were chosen by a threshold have residuals that are smaller by this factor.
 double kept_variance(int n, double threshold) {
   const auto below = [threshold](int degrees) {
     double term = std::exp(-0.5 * threshold), sum = 0;
@@ -143,7 +144,7 @@ class Refiner {
           const Sim3& b_from_a)
       : camera_(camera), options_(options), problem_(problem), b_from_a_(b_from_a), pivot_a_(middle()) {}
 
-  // The report's `reason` stays empty where all went well.
+  // Leaves the report's `reason` empty if the result is usable.
   Sim3RefinementReport run();
   const Sim3& b_from_a() const { return b_from_a_; }
 
@@ -160,7 +161,7 @@ class Refiner {
   const Sim3RefinementOptions& options_;
   const Sim3RefinementProblem& problem_;
   Sim3 b_from_a_;
-  Eigen::Vector3d pivot_a_;  // in the midst of what is seen: steps about it are well conditioned
+  Eigen::Vector3d pivot_a_;  // in the middle of the observed points: steps about it are well conditioned
 };
 
 Eigen::Vector3d Refiner::middle() const {
@@ -190,7 +191,7 @@ NormalEquations Refiner::linearize(const Sim3& b_from_a, const Selection& use, b
   return n;
 }
 
-// Levenberg-Marquardt steps until the cost stalls. False if it does not within the iterations.
+// Takes Levenberg-Marquardt steps until the cost stalls. Returns false if it does not within the allowed iterations.
 bool Refiner::minimize(const Selection& use, bool robust, int* iterations) {
   double lambda = 1e-6;
   NormalEquations n = linearize(b_from_a_, use, robust);
@@ -204,7 +205,7 @@ bool Refiner::minimize(const Selection& use, bool robust, int* iterations) {
     const NormalEquations next = sane ? linearize(moved, use, robust) : NormalEquations{{}, {}, kInfinity};
     if (!(next.cost <= n.cost)) {
       lambda = std::max(lambda * 10, 1e-4);
-      if (lambda > 1e6) return true;  // no step is an improvement
+      if (lambda > 1e6) return true;  // no step is an improvement: this is the minimum
       continue;
     }
     const bool stalled = n.cost - next.cost <= 1e-6 * n.cost;
@@ -216,7 +217,8 @@ bool Refiner::minimize(const Selection& use, bool robust, int* iterations) {
   return false;
 }
 
-// What is far off at the start is an outlier or nearly in the camera's plane, where it would have all the weight.
+// Selects the terms of the first round. Observations that are far off at the start are left out: they are outliers, or
+// points nearly in the camera's plane, which would dominate.
 Selection Refiner::near_start() const {
   const Linearization at(camera_, b_from_a_, pivot_a_);
   const auto near = [this](double chi2, double sigma_px) {
@@ -269,8 +271,8 @@ void Refiner::measure(const Selection& use, Sim3RefinementReport* report) const 
   measure_covariance(use, chi2_sum, report);
 }
 
-// Inverse of an information matrix whose empty directions get a large but finite variance. Scaled to a unit diagonal
-// first, which makes the eigenvalues comparable whatever the units.
+// Inverts an information matrix. Directions without information get a large but finite variance. The matrix is scaled
+// to a unit diagonal first, so that its eigenvalues are comparable whatever the units.
 Matrix7d inverse_or_huge(const Matrix7d& information) {
   constexpr double kNoInformation = 1e-12, kSmallestEigenvalue = 1e-13;
   const Vector7d d = (information.diagonal().array().max(0) + kNoInformation).sqrt().inverse();
@@ -280,8 +282,9 @@ Matrix7d inverse_or_huge(const Matrix7d& information) {
   return v * variance.asDiagonal() * v.transpose();
 }
 
-// Displacement of the pivot, in B, to where the trace of the displacement's covariance is least. A point at v from the
-// pivot moves by t + w x v + s v; the mean square of that is quadratic in v.
+// Returns the point, relative to the pivot and in B, at which the trace of the displacement's covariance `c` is least.
+// With the step's translation t, rotation w and log scale s, a point at v moves by t + w x v + s v, whose mean square
+// is quadratic in v.
 Eigen::Vector3d best_known(const Matrix7d& c) {
   const Eigen::Matrix3d ww = c.topLeftCorner<3, 3>(), tw = c.block<3, 3>(3, 0);
   const Eigen::Matrix3d quadratic = (c(6, 6) + ww.trace()) * Eigen::Matrix3d::Identity() - ww;
@@ -300,7 +303,7 @@ void Refiner::measure_covariance(const Selection& use, double chi2_sum, Sim3Refi
   observations.b_into_a = use.b_into_a;
   pairs.frame_pairs = use.frame_pairs;
   scales.scales = use.scales;
-  // The inliers are cut off at a threshold, which wastes information: each counts for as much as the variance kept
+  // Choosing inliers by a threshold loses information, so their information counts only by the factor `kept`
   // (asymptotic variance of the skipped mean, e.g. Huber, Robust Statistics, 1981, ch. 4.8).
   const double kept = kept_variance(2, options_.inlier_chi2), pair_kept = kept_variance(6, options_.pair_inlier_chi2);
   const double expected_chi2 = kept * equations(observations) + pair_kept * equations(pairs) - 7;

@@ -7,7 +7,7 @@
 
 namespace rumi {
 
-// Reprojection error of a keypoint in units of its standard deviation: whitening / sigma * (projection - pixel).
+// The reprojection error of a keypoint in units of its standard deviation: whitening / sigma * (projection - pixel).
 class WhitenedProjection {
  public:
   WhitenedProjection() = default;
@@ -16,7 +16,7 @@ class WhitenedProjection {
       : scale_(whitening * Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() / sigma_px),
         keypoint_(whitening * (pixel - Eigen::Vector2d(camera.cx, camera.cy)) / sigma_px) {}
 
-  // Of a point in front of the camera, in its frame.
+  // `point` is in the camera's frame, in front of the camera.
   Eigen::Vector2d error(const Eigen::Vector3d& point) const {
     return scale_ * (point.head<2>() / point.z()) - keypoint_;
   }
@@ -27,8 +27,8 @@ class WhitenedProjection {
     return d;
   }
 
-  // The normal equations by the point, the second derivative of the projection left out: weight times error^T
-  // * derivative and derivative^T * derivative.
+  // Computes the gradient by the point, weight * derivative^T * error, and the Gauss-Newton hessian, weight *
+  // derivative^T * derivative.
   void normal_equations(const Eigen::Vector3d& point, const Eigen::Vector2d& error, double weight,
                         Eigen::Matrix3d* hessian, Eigen::Vector3d* gradient) const {
     const double iz = 1 / point.z();

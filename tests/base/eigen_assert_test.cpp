@@ -23,7 +23,7 @@ std::string asserted(const std::function<void()>& work) {
   return {};
 }
 
-// Each of them ended the process.
+// Without the override, each of these assertions would end the process.
 TEST(EigenAssert, IsThrownWithWhatAndWhere) {
   Eigen::VectorXd three(3);
   const std::string outside = asserted([&] { three(3) = 1; });

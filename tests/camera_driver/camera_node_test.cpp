@@ -25,7 +25,7 @@ class CameraNodeTest : public ::testing::Test {
     write_tum(folder_.path(), 5);
     bus_.subscribe<image_t>(channels::kCamera, {}, [this](const image_t& image) { images_.push_back(image); });
   }
-  // How many images have come when the clock is at now_us.
+  // Returns how many images have come in all when the clock is at now_us.
   size_t tick(CameraNode& node, int64_t now_us) {
     bus_.set_now_us(now_us);
     node.tick(now_us);
@@ -115,10 +115,10 @@ TEST_F(CameraNodeTest, AnInputThatCannotBeUsedThrowsItsReason) {
 
 std::vector<image_t> all_images(const fs::path& input) {
   const OpenedSource opened = open_image_source(input.string(), {});
-  EXPECT_EQ(opened.error, "");
+  EXPECT_EQ(opened.error_text(), "");
   std::vector<image_t> images;
-  while (opened.ok()) {
-    std::optional<image_t> image = opened.source->next();
+  while (opened.has_value()) {
+    std::optional<image_t> image = (*opened)->next();
     if (!image) break;
     images.push_back(std::move(*image));
   }
@@ -155,15 +155,15 @@ TEST(LogConversion, BadInputAndOutput) {
   EXPECT_EQ(tool::run_export({data, folder / "no/such/folder.lcm", "CAMERA", {}, {}}), 1);
   ASSERT_EQ(tool::run_export({data, log, "CAMERA", {}, {}}), 0);
   const std::string bytes = read_file(log);
-  EXPECT_EQ(tool::run_export({data, log, "CAMERA", {}, {}}), 1);  // never replaced
+  EXPECT_EQ(tool::run_export({data, log, "CAMERA", {}, {}}), 1);  // a file is never replaced
   EXPECT_EQ(read_file(log), bytes);
-  EXPECT_EQ(tool::run_import({log, data, {}}), 1);  // not empty
+  EXPECT_EQ(tool::run_import({log, data, {}}), 1);  // the folder is not empty
   EXPECT_EQ(tool::run_import({data + "/rgb.txt", folder / "out", {}}), 1);
   EXPECT_FALSE(fs::exists(folder / "out"));
   CameraOptions other;
   other.log_channel = "OTHER";
-  EXPECT_THAT(open_image_source(log, other).error, HasSubstr("log_channel"));
-  write_file(log, bytes.substr(0, bytes.size() - 100));  // cut off: what is whole is there
+  EXPECT_THAT(open_image_source(log, other).error_text(), HasSubstr("log_channel"));
+  write_file(log, bytes.substr(0, bytes.size() - 100));  // cut off: images that are whole can be read
   EXPECT_EQ(all_images(log).size(), 1u);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Masks of the images of a recording: where they come from, and which of them counts.
+// Tests the masks of a recording's images: where they come from, and which of them is used.
 #include <gmock/gmock.h>
 
 #include "bus/transport/bus.h"
@@ -16,7 +16,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// Of 64 x 48 pixels, the first `black` columns are left out.
+// Returns a mask that leaves out the first `black` columns.
 cv::Mat mask(int black, int width = 64, int height = 48) {
   cv::Mat pixels(height, width, CV_8U, cv::Scalar(255));
   pixels.colRange(0, black) = 0;
@@ -28,16 +28,15 @@ void write_mask(const fs::path& file, const cv::Mat& pixels) {
   ASSERT_TRUE(cv::imwrite(file.string(), pixels));
 }
 
-// How many columns of each image are left out.
+// Returns how many columns of each image are left out.
 std::vector<int> black_columns(const fs::path& input, const CameraOptions& options = {}) {
   const OpenedSource opened = open_image_source(input.string(), options);
-  EXPECT_EQ(opened.error, "");
+  EXPECT_EQ(opened.error_text(), "");
   std::vector<int> columns;
-  while (const std::optional<image_t> image = opened.ok() ? opened.source->next() : std::nullopt) {
-    const std::string png = metadata(*image, kMaskKey);
-    std::string error;
-    const cv::Mat pixels = png.empty() ? mask(0) : decode_mask(png, &error);
-    EXPECT_EQ(pixels.size(), cv::Size(image->width, image->height)) << error;
+  while (const std::optional<image_t> image = opened.has_value() ? (*opened)->next() : std::nullopt) {
+    const std::string png(metadata(*image, kMaskKey));
+    const cv::Mat pixels = png.empty() ? mask(0) : decode_mask(png).value();
+    EXPECT_EQ(pixels.size(), cv::Size(image->width, image->height));
     columns.push_back(cv::countNonZero(pixels.row(0) == 0));
   }
   return columns;
@@ -61,9 +60,9 @@ TEST_F(Masks, OneFileIsOfAllImagesAlsoWhenTheyArePlayedAgain) {
   write_mask(folder_ / "m/any.png", mask(7));
   EXPECT_THAT(black_columns(folder_.path(), with_mask(folder_ / "m/any.png")), ElementsAre(7, 7, 7));
   const OpenedSource opened = open_image_source(folder_.path().string(), with_mask(folder_ / "m/any.png"));
-  EXPECT_NE(metadata(*opened.source->next(), kMaskKey), "");
-  opened.source->play_again({1000200000});
-  EXPECT_NE(metadata(*opened.source->next(), kMaskKey), "");
+  EXPECT_NE(metadata(*(*opened)->next(), kMaskKey), "");
+  (*opened)->play_again({1000200000});
+  EXPECT_NE(metadata(*(*opened)->next(), kMaskKey), "");
 }
 
 TEST_F(Masks, AFolderHasOneAnImageByTheNamesOfColmap) {
@@ -73,7 +72,7 @@ TEST_F(Masks, AFolderHasOneAnImageByTheNamesOfColmap) {
     fs::remove_all(folder_ / "given");
   }
   write_mask(folder_ / "given/rgb/2.png.png", mask(0));
-  write_mask(folder_ / "given/rgb/1.png.png", mask(64));  // of one image it may be all
+  write_mask(folder_ / "given/rgb/1.png.png", mask(64));  // a single image may be left out entirely
   EXPECT_THAT(black_columns(folder_.path(), with_mask(folder_ / "given")), ElementsAre(0, 64, 0));
 }
 

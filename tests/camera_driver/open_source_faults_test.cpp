@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is left out of a recording, or refused, and what is said of it.
+// Tests which images of a recording are left out, which recordings are refused, and what the user is told.
 #include <gmock/gmock.h>
 
 #include "bus/transport/bus.h"
@@ -26,9 +26,9 @@ TEST(ImageSource, BadFramesAreLeftOutAndCounted) {
   write_file(folder / "rgb.txt",
              read_file(folder / "rgb.txt") + "1000.9 rgb/8.jpg\n50.85 rgb/8.jpg\nabc rgb/9.jpg\n1001.5\n");
   const OpenedSource opened = open_image_source(folder.path().string(), {});
-  ASSERT_EQ(opened.error, "");
-  EXPECT_THAT(times(*opened.source), ElementsAre(1000000000, 1000100000, 1000700000, 1000800000, 1000900000));
-  const SkippedFrames& skipped = opened.source->skipped();
+  ASSERT_EQ(opened.error_text(), "");
+  EXPECT_THAT(times(**opened), ElementsAre(1000000000, 1000100000, 1000700000, 1000800000, 1000900000));
+  const SkippedFrames& skipped = (*opened)->skipped();
   EXPECT_EQ(skipped.unreadable, 4);
   EXPECT_EQ(skipped.wrong_size, 1);
   EXPECT_EQ(skipped.duplicate, 1);
@@ -48,8 +48,7 @@ TEST(ImageSource, ColourAndDepthInOneFolder) {
   CameraOptions options;
   options.files = "*.depth.png";
   const OpenedSource opened = open_image_source(folder.path().string(), options);
-  std::string error;
-  EXPECT_EQ(cv::norm(decode_grey(*opened.source->next(), &error), picture(50), cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(decode_grey(*(*opened)->next()).value(), picture(50), cv::NORM_INF), 0);
   options.files = "*.jpg";
   EXPECT_THAT(error_of(folder.path(), options), HasSubstr("fits no image"));
 }
@@ -158,7 +157,7 @@ TEST(ImageSource, NamesTheCameraOfTheFileThatFits) {
   write_file(options.camera_file, camera(0, 80, 60) + camera(1, 64, 48));
   EXPECT_THAT(error_of(folder.path(), options), AllOf(HasSubstr("80 x 60"), HasSubstr("camchain.yaml:cam1")));
   options.camera_file += ":cam1";
-  EXPECT_EQ(open_recording(folder.path().string(), options).error, "");
+  EXPECT_EQ(open_recording(folder.path().string(), options).error_text(), "");
 }
 
 TEST(ImageSource, TakesTheBlockOfTheImagesSize) {
@@ -175,8 +174,8 @@ TEST(ImageSource, TakesTheBlockOfTheImagesSize) {
   options.camera_file = folder / "d435.txt";
   write_file(options.camera_file, block(80, 60) + block(64, 48));
   const OpenedSource opened = open_recording(folder.path().string(), options);
-  ASSERT_EQ(opened.error, "");
-  EXPECT_EQ(opened.source->camera().width, 64);
+  ASSERT_EQ(opened.error_text(), "");
+  EXPECT_EQ((*opened)->camera().width, 64);
 }
 
 }  // namespace

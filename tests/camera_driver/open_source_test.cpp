@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The kinds of recordings that are played.
+// Tests the kinds of recordings that are played.
 #include "camera_driver/open_source.h"
 
 #include <gmock/gmock.h>
@@ -34,10 +34,10 @@ TEST(ImageSource, ImagesCarryTheCalibration) {
   const TemporaryFolder folder;
   write_tum(folder.path(), 1);
   const OpenedSource opened = open_image_source(folder.path().string(), {});
-  const std::optional<image_t> image = opened.source->next();
-  EXPECT_EQ(metadata(*image, kCalibrationKey), camera_to_yaml(opened.source->camera()));
-  EXPECT_EQ(opened.source->camera().fy, 51);
-  EXPECT_EQ(opened.source->total(), 1);
+  const std::optional<image_t> image = (*opened)->next();
+  EXPECT_EQ(metadata(*image, kCalibrationKey), camera_to_yaml((*opened)->camera()));
+  EXPECT_EQ((*opened)->camera().fy, 51);
+  EXPECT_EQ((*opened)->total(), 1);
 }
 
 TEST(ImageSource, ARecordingIsOneStreamWhereverItLiesAndWhicheverPartIsPlayed) {
@@ -97,14 +97,13 @@ TEST(ImageSource, PlainFolder) {
   const TemporaryFolder folder;
   for (int i : {1, 2, 10}) cv::imwrite(folder / fmt::format("{}.png", i), picture(i));
   write_file(folder / "calibration.yaml", kCalibration);
-  EXPECT_THAT(times(folder.path()), ElementsAre(0, 100000, 200000));  // fps of the calibration
+  EXPECT_THAT(times(folder.path()), ElementsAre(0, 100000, 200000));  // at the fps of the calibration
   CameraOptions options;
   options.rate_hz = 30;
   EXPECT_THAT(times(folder.path(), options), ElementsAre(0, 33333, 66667));
   const OpenedSource opened = open_image_source(folder.path().string(), {});
-  opened.source->next();
-  std::string error;
-  EXPECT_EQ(cv::norm(decode_grey(*opened.source->next(), &error), picture(2), cv::NORM_INF), 0);
+  (*opened)->next();
+  EXPECT_EQ(cv::norm(decode_grey(*(*opened)->next()).value(), picture(2), cv::NORM_INF), 0);
   write_file(folder / "calibration.yaml", "fx: 50\nfy: 51\ncx: 32\ncy: 24\nwidth: 64\nheight: 48\n");
   EXPECT_THAT(error_of(folder.path()), HasSubstr("--rate HZ"));
 }
@@ -130,7 +129,7 @@ TEST(ImageSource, Encodings) {
   const auto format = [&folder](const std::string& encoding) {
     CameraOptions options;
     options.encoding = encoding;
-    return *open_image_source(folder.path().string(), options).source->next();
+    return *open_image_source(folder.path().string(), options).value()->next();
   };
   for (const char* as_is : {"auto", "jpeg"}) {
     const image_t image = format(as_is);

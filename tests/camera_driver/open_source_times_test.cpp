@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// When the images of a recording were: units of time, orders, clocks that were set back, parts that are played.
+// Tests the times of a recording's images: units, orders, clocks that were set back, parts that are played.
 #include <gmock/gmock.h>
 
 #include "bus/transport/bus.h"
@@ -35,7 +35,7 @@ TEST(ImageSource, SelectionAndNewTimes) {
   CameraOptions options;
   options.every = 3, options.start_s = 0.2, options.duration_s = 0.6;
   EXPECT_THAT(times(folder.path(), options), ElementsAre(1000200000, 1000500000));
-  EXPECT_EQ(open_image_source(folder.path().string(), options).source->total(), 2);
+  EXPECT_EQ(open_image_source(folder.path().string(), options).value()->total(), 2);
   options.loop = true;
   EXPECT_THAT(times(folder.path(), options, 4), ElementsAre(1000200000, 1000500000, 1000800000, 1001100000));
   options.rate_hz = 4;
@@ -55,22 +55,22 @@ TEST(ImageSource, IsPlayedAgainInColourForTheTimesThatAreAsked) {
   options.every = 2;
   options.rate_hz = 20;
   const OpenedSource opened = open_recording(folder.path().string(), options);
-  ASSERT_EQ(opened.error, "");
+  ASSERT_EQ(opened.error_text(), "");
   std::vector<int64_t> utimes;
-  while (const std::optional<image_t> image = opened.source->next()) utimes.push_back(image->utime);
+  while (const std::optional<image_t> image = (*opened)->next()) utimes.push_back(image->utime);
   ASSERT_EQ(utimes.size(), 5u);
-  const int64_t skipped = opened.source->skipped().total();
+  const int64_t skipped = (*opened)->skipped().total();
 
-  opened.source->play_again({utimes[1], utimes[4], utimes[4] + 1});
+  (*opened)->play_again({utimes[1], utimes[4], utimes[4] + 1});
   for (const size_t number : {1, 4}) {
-    const std::optional<image_t> image = opened.source->next();
+    const std::optional<image_t> image = (*opened)->next();
     ASSERT_TRUE(image);
     EXPECT_EQ(image->utime, utimes[number]);
     const cv::Mat expected = picture(static_cast<int>(2 * number), 64, 48, /*colour=*/true);
-    EXPECT_EQ(cv::norm(decode_bgr(*image, nullptr), expected), 0);
+    EXPECT_EQ(cv::norm(decode_bgr(*image).value(), expected), 0);
   }
-  EXPECT_FALSE(opened.source->next());
-  EXPECT_EQ(opened.source->skipped().total(), skipped);
+  EXPECT_FALSE((*opened)->next());
+  EXPECT_EQ((*opened)->skipped().total(), skipped);
 }
 
 TEST(ImageSource, ALoopOfNothingUsableEnds) {
@@ -118,18 +118,18 @@ TEST(ImageSource, NumbersOfImagesAreNoTimesAndARepeatedLineIsNoImage) {
   const std::string good = "5.0 rgb/0.png\n5.0 rgb/0.png\n5.1 rgb/1.png\n5.1 rgb/1.png\n";
   write_file(folder / "rgb.txt", good);
   const OpenedSource opened = open_image_source(folder.path().string(), {});
-  EXPECT_THAT(times(*opened.source), ElementsAre(5000000, 5100000));
-  EXPECT_EQ(opened.source->skipped().total(), 0);
+  EXPECT_THAT(times(**opened), ElementsAre(5000000, 5100000));
+  EXPECT_EQ((*opened)->skipped().total(), 0);
 }
 
-// A binary file by the name of a list: every letter of a name is looked at more than once.
+// The list may be a binary file: a name of a megabyte must not be searched letter by letter for long.
 TEST(ImageSource, ALineOfAMegabyteIsNoImage) {
   const TemporaryFolder folder;
   write_tum(folder.path(), 3);
   write_file(folder / "rgb.txt", read_file(folder / "rgb.txt") + "1001 rgb/" + std::string(1 << 20, 'x') + ".png\n");
   const OpenedSource opened = open_image_source(folder.path().string(), {});
-  EXPECT_EQ(times(*opened.source).size(), 3u);
-  EXPECT_EQ(opened.source->skipped().malformed, 1);
+  EXPECT_EQ(times(**opened).size(), 3u);
+  EXPECT_EQ((*opened)->skipped().malformed, 1);
 }
 
 TEST(ImageSource, WithARateTimesNeedNotBeThere) {
@@ -172,9 +172,9 @@ TEST(ImageSource, AClockThatIsSetBackBeginsAnotherStream) {
   for (int i = 0; i < 20; ++i) list += fmt::format("{} rgb/{}.png\n", (i < 10 ? 1000 : 500) + i, i);
   write_file(folder / "rgb.txt", list);
   const OpenedSource opened = open_image_source(folder.path().string(), {});
-  ASSERT_EQ(opened.error, "");
+  ASSERT_EQ(opened.error_text(), "");
   std::vector<int64_t> streams, utimes;
-  while (const std::optional<image_t> image = opened.source->next()) {
+  while (const std::optional<image_t> image = (*opened)->next()) {
     streams.push_back(rumi::stream_of(*image));
     utimes.push_back(image->utime);
   }
@@ -213,13 +213,12 @@ TEST(ImageSource, ImagesOfALogAreOrderedAndItsLengthIsKnown) {
   }
   ASSERT_TRUE(log.close());
   const OpenedSource opened = open_image_source(file, {});
-  EXPECT_EQ(opened.source->total(), 9);
-  EXPECT_EQ(opened.source->skipped().out_of_order, 1);
+  EXPECT_EQ((*opened)->total(), 9);
+  EXPECT_EQ((*opened)->skipped().out_of_order, 1);
   for (int i = 0; i < 9; ++i) {
-    const std::optional<image_t> image = opened.source->next();
-    std::string error;
+    const std::optional<image_t> image = (*opened)->next();
     EXPECT_EQ(image->utime, 1'000'000 * (i + 1));
-    EXPECT_EQ(cv::norm(decode_grey(*image, &error), picture(i), cv::NORM_INF), 0) << i;
+    EXPECT_EQ(cv::norm(decode_grey(*image).value(), picture(i), cv::NORM_INF), 0) << i;
   }
 }
 

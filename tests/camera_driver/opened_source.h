@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What comes of a recording, or why nothing does.
+// Opens recordings for tests: returns their images, or why they cannot be played.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -28,22 +28,22 @@ inline std::vector<int64_t> times(ImageSource& source, size_t most = 1000) {
 
 inline std::vector<int64_t> times(const fs::path& input, const CameraOptions& options = {}, size_t most = 1000) {
   const OpenedSource opened = open_image_source(input.string(), options);
-  EXPECT_EQ(opened.error, "");
-  return opened.ok() ? times(*opened.source, most) : std::vector<int64_t>();
+  EXPECT_EQ(opened.error_text(), "");
+  return opened.has_value() ? times(**opened, most) : std::vector<int64_t>();
 }
 
 inline std::string error_of(const fs::path& input, const CameraOptions& options = {}) {
   const OpenedSource opened = open_image_source(input.string(), options);
-  EXPECT_FALSE(opened.ok());
-  return opened.error;
+  EXPECT_FALSE(opened.has_value());
+  return opened.error_text();
 }
 
 inline int64_t stream_of(const fs::path& input, const CameraOptions& options = {}) {
   const OpenedSource opened = open_image_source(input.string(), options);
-  EXPECT_EQ(opened.error, "");
-  const std::optional<image_t> image = opened.source->next();
+  EXPECT_EQ(opened.error_text(), "");
+  const std::optional<image_t> image = (*opened)->next();
   const int64_t stream = rumi::stream_of(*image);
-  while (const std::optional<image_t> later = opened.source->next()) EXPECT_EQ(rumi::stream_of(*later), stream);
+  while (const std::optional<image_t> later = (*opened)->next()) EXPECT_EQ(rumi::stream_of(*later), stream);
   return stream;
 }
 

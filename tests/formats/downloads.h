@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one gets by unpacking a download of a public dataset, in small form: the files, their names and their forms.
+// Writes small versions of public datasets as one unpacks them: with the same files, names and forms.
 #pragma once
 
 #include "tests/formats/recording.h"
@@ -8,13 +8,13 @@ namespace rumi::testing {
 
 inline constexpr size_t kImagesOfDownload = 12;
 
-// The path along which all of them move: 0.1 m and a little more from image to image.
+// Returns the i-th position of the path that all of them have: 0.1 m and a little more from image to image.
 inline std::string download_pose(size_t i) {
   const auto x = static_cast<double>(i);
   return fmt::format("{:.6f} {:.6f} {:.6f}", 0.1 * x, 0.01 * x * x, 0.002 * x * x * x);
 }
 
-// rgbd_dataset_freiburg1_xyz.tgz
+// Writes the content of rgbd_dataset_freiburg1_xyz.tgz.
 inline fs::path write_tum_download(const fs::path& parent) {
   const fs::path folder = parent / "rgbd_dataset_freiburg1_xyz";
   const std::string heading = "# color images\n# file: 'rgbd_dataset_freiburg1_xyz.bag'\n# timestamp filename\n";
@@ -40,7 +40,7 @@ inline std::string euroc_sensor(const std::string& more) {
   return "%YAML:1.0\nT_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n" + more;
 }
 
-// MH_01_easy.zip, unpacked into a folder of its name.
+// Writes the content of MH_01_easy.zip, in a folder of its name.
 inline fs::path write_euroc_download(const fs::path& parent) {
   const fs::path folder = parent / "MH_01_easy", mav = folder / "mav0";
   std::string list = "#timestamp [ns],filename\r\n";
@@ -72,7 +72,7 @@ inline fs::path write_euroc_download(const fs::path& parent) {
   return folder;
 }
 
-// living_room_traj0_frei_png.tar.gz, unpacked into a folder of its name.
+// Writes the content of living_room_traj0_frei_png.tar.gz, in a folder of its name.
 inline fs::path write_icl_download(const fs::path& parent) {
   const fs::path folder = parent / "living_room_traj0_frei_png";
   std::string associations, truth;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Small recordings for the tests, each in a folder of its own that goes away with it.
+// Makes small recordings for the tests.
 #pragma once
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ namespace rumi::testing {
 
 namespace fs = std::filesystem;
 
-// A picture that differs for every `number`, with enough structure for a JPEG to have something to damage.
+// Returns a picture that differs for every `number`, with enough structure that damage to its JPEG shows.
 inline cv::Mat picture(int number, int width = 64, int height = 48, bool colour = false) {
   cv::Mat out(height, width, colour ? CV_8UC3 : CV_8UC1);
   for (int y = 0; y < height; ++y)
@@ -27,7 +27,7 @@ inline cv::Mat picture(int number, int width = 64, int height = 48, bool colour 
 
 inline constexpr const char* kCalibration = "fx: 50\nfy: 51\ncx: 32\ncy: 24\nk1: 0.1\nwidth: 64\nheight: 48\nfps: 10\n";
 
-// A TUM-style folder with n images 0.1 s apart, from 1000 s on.
+// Writes a TUM-style folder with n images 0.1 s apart, from 1000 s on.
 inline void write_tum(const fs::path& folder, int n, const std::string& extension = ".png") {
   std::string list = "# seconds file\n";
   for (int i = 0; i < n; ++i) {

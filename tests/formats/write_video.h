@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Videos as cameras and phones write them, which OpenCV's writer cannot: with B frames, or without a container.
+// Writes videos as cameras and phones do, which OpenCV's writer cannot: with B frames, or without a container.
 #pragma once
 
 #include <algorithm>
@@ -17,14 +17,14 @@ namespace rumi::testing {
 struct VideoOptions {
   int frames = 30;
   int b_frames = 0;
-  const char* container = "mp4";  // as FFmpeg names it; "h264": the bare stream
+  const char* container = "mp4";  // FFmpeg's name of it; "h264": the bare stream
   AVCodecID codec = AV_CODEC_ID_H264;
-  AVPixelFormat pixels = AV_PIX_FMT_YUV420P;  // or GRAY16LE, of 1000 + 100 a frame
+  AVPixelFormat pixels = AV_PIX_FMT_YUV420P;  // or GRAY16LE, which begins at 1000 and rises by 100 a frame
   int width = 64, height = 48;
-  int step_us = 40'000;                   // from frame to frame
-  int pause_before = 0, pause_steps = 0;  // the times of this frame and of those behind it are so much later
+  int step_us = 40'000;                   // time from frame to frame
+  int pause_before = 0, pause_steps = 0;  // this frame and those behind it come so many steps later
   bool is_interlaced = false;
-  AVRational pixel_shape = {0, 1};  // width to height; not said
+  AVRational pixel_shape = {0, 1};  // width to height; 0: the file does not say
 };
 
 inline void fill(AVFrame* frame, int i) {
@@ -42,7 +42,7 @@ inline void fill(AVFrame* frame, int i) {
   }
 }
 
-// Of pictures that grow brighter, by 5 a frame. False if this FFmpeg cannot.
+// Writes pictures that grow brighter, by 5 a frame. Returns false if this FFmpeg cannot.
 inline bool write_video(const std::filesystem::path& file, const VideoOptions& options) {
   av_log_set_level(AV_LOG_QUIET);
   const AVCodec* codec = avcodec_find_encoder(options.codec);
@@ -67,7 +67,7 @@ inline bool write_video(const std::filesystem::path& file, const VideoOptions& o
   AVPacket* packet = av_packet_alloc();
   const auto drain = [&] {
     while (avcodec_receive_packet(encoder, packet) >= 0) {
-      packet->duration = 1;  // else MP4 leaves out the last one
+      packet->duration = 1;  // else MP4 leaves out the last packet
       av_packet_rescale_ts(packet, encoder->time_base, stream->time_base);
       packet->stream_index = stream->index;
       ok = ok && av_write_frame(format, packet) >= 0;
@@ -102,7 +102,7 @@ inline bool write_video(const std::filesystem::path& file, const VideoOptions& o
   return ok;
 }
 
-// The streams of these videos in one file, packet by packet. False if this FFmpeg cannot.
+// Writes the streams of these videos into one file, packet by packet. Returns false if this FFmpeg cannot.
 inline bool join_videos(const std::vector<std::filesystem::path>& videos, const std::filesystem::path& joined) {
   AVFormatContext* out = nullptr;
   if (avformat_alloc_output_context2(&out, nullptr, nullptr, joined.c_str()) < 0) return false;

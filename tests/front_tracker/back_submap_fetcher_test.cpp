@@ -7,6 +7,7 @@
 #include <random>
 
 #include "bus/transport/memory_bus.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "tests/front_tracker/feature_scene.h"
@@ -22,12 +23,11 @@ class BackSubmapFetcherTest : public testing::Test {
   BackSubmapFetcherTest()
       : sender_(bus_, channels::kMapChunk, channels::kMapAck, "server"),
         fetcher_(bus_, "front", 100,
-                 {.take =
-                      [this](Submap submap) {
-                        if (!refusal_.empty()) return refusal_;
-                        taken_.push_back(submap.key.id);
-                        return std::string();
-                      },
+                 {.take = [this](const Submap& submap) -> Result<> {
+                    if (!refusal_.empty()) return Error{refusal_};
+                    taken_.push_back(submap.key.id);
+                    return {};
+                  },
                   .forget = [this](int id) { forgotten_.push_back(id); }}) {
     bus_.subscribe<map_request_t>(channels::kMapRequest, {}, [this](const map_request_t& r) { on_request(r); });
     for (int id : {-1, -2, -3}) {
@@ -228,7 +228,7 @@ TEST_F(BackSubmapFetcherTest, WhatNobodyAskedForIsNotTaken) {
   };
   send(0);
   tell({summary(-1)});
-  send(requests_.back().request_id);  // once more
+  send(requests_.back().request_id);  // the same once more
   ASSERT_EQ(results.size(), 2u);
   for (const TransferResult& result : results) EXPECT_EQ(result.reason, "not asked for");
   EXPECT_EQ(taken_, std::vector<int>{-1});

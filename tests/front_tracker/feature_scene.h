@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A world of points with descriptors: what a camera at a known pose would see of it, without rendering anything.
+// A world of points with descriptors. Gives what a camera at a known pose sees of them, without rendering anything.
 #pragma once
 
 #include <random>
@@ -21,8 +21,8 @@ class FeatureScene {
   }
   std::vector<Eigen::Vector3d>& points() { return points_; }
 
-  // Every point in view as a keypoint at octave 0 with half a pixel of noise and ten wrong bits, among some clutter.
-  // point_of, if given, receives the point of each keypoint (kNone for clutter).
+  // Returns a frame with every point in view as a keypoint at octave 0, with half a pixel of noise and ten wrong bits,
+  // among some clutter. point_of, if given, receives the point of each keypoint (kNone for clutter).
   Frame frame(int64_t utime_us, const SE3& cam_from_world, std::vector<int>* point_of = nullptr) {
     Features features;
     std::vector<int> source;
@@ -45,7 +45,7 @@ class FeatureScene {
     return make_frame(utime_us, std::move(features), camera_);
   }
 
-  // A submap that knows the truth: keyframes at the poses, landmarks at the points that at least two of them see.
+  // Returns a true submap: keyframes at the poses, and landmarks at the points that at least two of them see.
   std::unique_ptr<FrontSubmap> submap(const std::vector<SE3>& poses) {
     auto s = std::make_unique<FrontSubmap>();
     s->map.key = {1, 1};

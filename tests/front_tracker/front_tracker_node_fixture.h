@@ -25,7 +25,7 @@ using namespace rumi::front_tracker;
 inline FrontTrackerOptions node_options() {
   FrontTrackerOptions options;
   options.mapping_thread = false;
-  options.mapping.keyframe_images = 5;  // fewer than there are keyframes: their keypoints are sent twice
+  options.mapping.keyframe_images = 5;  // fewer than the keyframes, so that keypoints that have moved are sent again
   return options;
 }
 
@@ -42,7 +42,7 @@ class FrontTrackerNodeTest : public ::testing::Test {
     submap_update_t update;
     EXPECT_TRUE(Bus::decode(std::span<const uint8_t>(payload.bytes), &update));
     Submap& copy = copies_[{update.session, update.submap_id}];
-    const std::string error = apply_submap_update(update, &copy);
+    const std::string error = apply_submap_update(update, &copy).error_text();
     EXPECT_EQ(error, "");
     return {error.empty(), error, copy.revision};
   }
@@ -63,7 +63,7 @@ class FrontTrackerNodeTest : public ::testing::Test {
     return options;
   }
 
-  // What it makes of a walk of its own.
+  // Gives the node the images of a walk.
   void give_walk(double seconds) {
     synth::SequenceRenderer renderer(walk(seconds));
     for (int i = 0; i < renderer.frames(); ++i) give(image(renderer.utime_us(i), renderer.render(i)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of its images front_tracker looks at: masks that come with them, what never moves in them, and images that are
-// the one before once more.
+// Tests how front_tracker looks at its images: masks that come with them, parts that never move, and images that repeat
+// the one before.
 #include <gmock/gmock.h>
 
 #include <opencv2/imgproc.hpp>
@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-// Keypoints of landmarks in the rows from `first` to the one before `end`.
+// Returns how many keypoints of landmarks lie in the rows from `first` to the one before `end`.
 int landmarks_seen(const Submap& map, float first, float end) {
   int seen = 0;
   for (const auto& [id, landmark] : map.landmarks)
@@ -66,7 +66,7 @@ TEST_F(NodeWithMasks, AMaskOfAnotherSizeIsToldOnceAndIgnored) {
 
 TEST_F(FrontTrackerNodeTest, OfARowOfTheSameImagesTwoHaveAPose) {
   synth::SequenceRenderer renderer(walk(1.5));
-  const int still = 25;  // an image that stays
+  const int still = 25;  // the first image that repeats the one before
   for (int i = 0; i < still; ++i) give(image(renderer.utime_us(i), renderer.render(i)));
   ASSERT_EQ(tracks_.back().state, track_t::TRACKING);
   EXPECT_THAT(node_->complaints(), IsEmpty());
@@ -119,9 +119,8 @@ TEST_F(FrontTrackerNodeTest, WhatNeverMovesIsPublishedAndIsNoLandmark) {
   EXPECT_EQ(told.session, tracks_.back().session);
   EXPECT_EQ(told.width, 320);
   EXPECT_EQ(told.height, 240);
-  std::string error;
-  const cv::Mat pixels = decode_mask({told.png.begin(), told.png.end()}, &error);
-  ASSERT_EQ(pixels.size(), cv::Size(320, 240)) << error;
+  const cv::Mat pixels = decode_mask(std::string(told.png.begin(), told.png.end())).value();
+  ASSERT_EQ(pixels.size(), cv::Size(320, 240));
   EXPECT_NEAR(told.left_out, ImageMask(pixels).left_out(), 1e-9);
   EXPECT_LT(cv::countNonZero(pixels.rowRange(208, 240)), 0.05 * 32 * 320);
   EXPECT_GT(cv::countNonZero(pixels.rowRange(0, 180)), 0.9 * 180 * 320);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What front_tracker tells: poses, in the map and afterwards, poses withdrawn, and submaps for map_server.
+// Tests the output of front_tracker: poses, also in the map and afterwards, withdrawn poses, and submaps for
+// map_server.
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <random>
 #include <utility>
 
+#include "bus/wire/pose.h"
 #include "lcmtypes/rumi/map_pose_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "lcmtypes/rumi/rigid_transform_t.hpp"
@@ -19,7 +21,7 @@ namespace {
 using testing::FrontTrackerNodeTest;
 using testing::node_options;
 
-// What a listener of CAMERA_TO_MAP needs to know to notice that the map has moved.
+// From these messages a listener of CAMERA_TO_MAP can tell that the map has moved.
 TEST_F(FrontTrackerNodeTest, APoseInTheMapNamesTheSubmapAndItsPlace) {
   std::vector<map_pose_t> poses;
   std::vector<rigid_transform_t> transforms;
@@ -56,7 +58,7 @@ TEST_F(FrontTrackerNodeTest, APoseInTheMapNamesTheSubmapAndItsPlace) {
 
 TEST_F(FrontTrackerNodeTest, TheServersCopyIsComplete) {
   std::mt19937 rng(3);
-  // A bus that loses a fifth of what passes between the two.
+  // The bus loses a fifth of the messages between front_tracker and the server.
   bus_.set_tap([&rng](const std::string& channel, auto) {
     return (channel != channels::kSubmap && channel != channels::kSubmapAck) || rng() % 5 != 0;
   });
@@ -91,7 +93,7 @@ TEST_F(FrontTrackerNodeTest, TheServersCopyIsComplete) {
   EXPECT_GE(static_cast<int64_t>(copy.frames.size()), with_pose);
 }
 
-// Every mapping job throws, with the submap in its hands.
+// Every mapping job throws while it holds the submap's lock.
 class BrokenMapping : public FrontTrackerNodeTest {
  protected:
   static FrontTrackerOptions options(bool threaded) {
@@ -119,7 +121,7 @@ class BrokenMapping : public FrontTrackerNodeTest {
     status = node_->status();
     EXPECT_FALSE(status.degraded) << "it did not happen since";
     EXPECT_NE(status.detail.find("mapping of a keyframe broke off ("), std::string::npos) << status.detail;
-    // The lock is free, and who checks the submaps finds nothing wrong with them.
+    // The lock is free again, and the submaps pass the receiver's checks.
     node_->finish();
     give_it_time_to_finish();
     EXPECT_TRUE(node_->finished());
@@ -140,8 +142,8 @@ TEST_F(BrokenMappingInAThread, TheTrackerGoesOn) { expect_to_go_on(); }
 TEST_F(FrontTrackerNodeTest, PosesGivenAfterwardsAreToldBeforeTheFrameThatBeganTheSubmap) {
   give_walk(2);
   ASSERT_EQ(node_->tracker()->submaps().size(), 1u);
-  std::map<int64_t, std::vector<track_t>> told;  // by utime
-  std::vector<int64_t> late;                     // in order of arrival
+  std::map<int64_t, std::vector<track_t>> told;  // messages by utime
+  std::vector<int64_t> late;                     // utimes in order of arrival
   int64_t began = 0;
   for (const track_t& t : tracks_) {
     if (!told[t.utime].empty()) late.push_back(t.utime);

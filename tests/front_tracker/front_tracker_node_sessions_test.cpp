@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which images are of one session: streams, cameras and recordings that come one after the other, or at once.
+// Tests which images belong to one session: streams, cameras and recordings, one after the other or mixed.
 #include <gmock/gmock.h>
 
 #include <functional>
@@ -18,7 +18,7 @@ using testing::node_options;
 
 TEST_F(FrontTrackerNodeTest, AnImageThatCannotBeUsedBeginsNoSession) {
   const cv::Mat large(480, 640, CV_8U, cv::Scalar(9));
-  give(image(1000, large));  // calibrated for another size, until somebody puts that right
+  give(image(1000, large));  // calibrated for another size
   EXPECT_FALSE(node_->tracker());
   camera_ = synth::default_synth_camera(640, 480);
   give(image(2000, large));
@@ -78,7 +78,7 @@ TEST_F(FrontTrackerNodeTest, ASecondStreamOfTheSameCalibrationIsToldAndKeptApart
 }
 
 TEST_F(FrontTrackerNodeTest, AnotherRecordingIsAnotherSessionWhateverItsTimes) {
-  for (const int64_t stream : {5, 6}) {  // of the same times, as folders of images are
+  for (const int64_t stream : {5, 6}) {  // with the same times, as in folders of images
     for (int i = 0; i < 30; ++i) {
       image_t message = image(1000 * i, grey_);
       set_stream(stream, &message);
@@ -101,7 +101,7 @@ TEST_F(FrontTrackerNodeTest, ImagesWithoutANameAreOfTheirSessionsStream) {
 
 class NodeOnTheClock : public FrontTrackerNodeTest {
  protected:
-  // At 30 Hz on the clock of the computer, whatever the time of the image.
+  // Publishes an image every 1/30 s by the computer's clock, whatever the time of the image.
   void come(int64_t utime_us) {
     bus_.set_now_us(now_us_ += kPeriod_us);
     bus_.publish(channels::kCamera, image(utime_us, grey_));

@@ -31,7 +31,7 @@ TEST_F(FrontTrackerNodeTest, AnImageWithoutCalibrationSaysWhatToDo) {
 }
 
 TEST_F(FrontTrackerNodeTest, SaysOnceThatNoImageComes) {
-  MemoryBus bus;  // for it alone
+  MemoryBus bus;  // a bus of its own
   bus.set_now_us(1'000'000);
   FrontTrackerNode node(bus, node_options());
   const testing::CapturedLog log;
@@ -45,12 +45,12 @@ TEST_F(FrontTrackerNodeTest, SaysOnceThatNoImageComes) {
 }
 
 TEST_F(FrontTrackerNodeTest, SaysThatWhatComesOnTheCamerasChannelIsNoImageOrHasNoTime) {
-  MemoryBus bus;  // for it alone
+  MemoryBus bus;  // a bus of its own
   bus.set_now_us(1'000'000);
   FrontTrackerNode node(bus, node_options());
   const testing::CapturedLog log;
   bus.publish(channels::kCamera, map_request_t());
-  bus.publish(channels::kCamera, image(1'700'000'000'000'000'000, grey_));  // nanoseconds
+  bus.publish(channels::kCamera, image(1'700'000'000'000'000'000, grey_));  // in nanoseconds
   bus.publish(channels::kCamera, image(-5, grey_));
   bus.dispatch();
   EXPECT_THAT(log.text(), HasSubstr("it is no message of the type image_t"));

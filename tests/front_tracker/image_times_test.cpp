@@ -15,7 +15,8 @@ using Doubt = ImageTimes::Doubt;
 
 constexpr int64_t kNow_us = 1'700'000'000'000'000, kPeriod_us = 33'333, kHour_us = 3'600'000'000;
 
-// Images come at 30 Hz. What is sure by now is judged again and taken, as front_tracker does.
+// Images come at 30 Hz. Once a row of waiting images is decided, they are judged again and taken, as front_tracker
+// does.
 class ImageTimesTest : public ::testing::Test {
  protected:
   Verdict come(int64_t utime_us, bool is_checked = false) {
@@ -31,7 +32,7 @@ class ImageTimesTest : public ::testing::Test {
       }
     return verdict;
   }
-  // As a camera on this clock would give it.
+  // Returns the time that a camera on this clock would give the next image.
   int64_t right() const { return kNow_us + kPeriod_us * come_ - 20'000; }
 
   ImageTimes times_;

@@ -20,12 +20,12 @@ using namespace rumi::front_tracker;
 struct RenderedWalk {
   std::vector<cv::Mat> images;
   std::vector<int64_t> utime_us;
-  std::vector<SE3> cam_from_room;             // m
-  std::map<int64_t, Eigen::Vector3d> center;  // of the camera in the room, m, by utime
+  std::vector<SE3> cam_from_room;             // poses in metres
+  std::map<int64_t, Eigen::Vector3d> center;  // the camera's centre in the room in metres, by utime
   Camera camera;
 };
 
-// seed: of the room and the path.
+// `seed` determines the room and the path.
 inline RenderedWalk render_walk(double seconds, double rate_hz, uint64_t seed = 1,
                                 std::vector<synth::HardPassage> hard = {}) {
   synth::SynthOptions options;
@@ -48,7 +48,7 @@ inline RenderedWalk render_walk(double seconds, double rate_hz, uint64_t seed = 
   return made;
 }
 
-// Six seconds at 20 Hz, rendered once.
+// Returns six seconds at 20 Hz, which are rendered once.
 inline const RenderedWalk& rendered_walk() {
   static const RenderedWalk walk = render_walk(6, 20);
   return walk;
@@ -66,7 +66,7 @@ struct Error {
   size_t frames = 0;
 };
 
-// Of the submap's frames, after aligning them with the truth.
+// Returns the errors of the submap's frames after aligning them with the truth.
 inline Error error_of(const Submap& map, const std::map<int64_t, Eigen::Vector3d>& center) {
   std::vector<Eigen::Vector3d> estimated, truth;
   Error e;

@@ -15,7 +15,7 @@ using Kind = RepeatedImages::Kind;
 
 constexpr int64_t kBegin_us = 5'000'000, kPeriod_us = 100'000;
 
-// An image that is as large as others, but is of a kind of its own.
+// Returns random pixels, different ones for each `which`.
 cv::Mat image(int which) {
   cv::Mat grey(48, 64, CV_8U);
   cv::RNG rng(static_cast<uint64_t>(which + 1));
@@ -26,7 +26,7 @@ cv::Mat image(int which) {
 class RepeatedImagesTest : public ::testing::Test {
  protected:
   Kind take(const cv::Mat& grey) { return images_.take(kBegin_us + kPeriod_us * taken_++, grey); }
-  // The image so often; the kind of the last.
+  // Takes the image so many times. Returns the kind of the last one.
   Kind take(int which, int times) {
     Kind kind = Kind::kNew;
     for (int i = 0; i < times; ++i) kind = take(image(which));
@@ -81,7 +81,7 @@ TEST_F(RepeatedImagesTest, EncodingOnceMoreLeavesItTheSame) {
   EXPECT_EQ(take(other), Kind::kNew);
 }
 
-// Every image is nearly the one before, and yet the first is soon another.
+// Each image hardly differs from the one before, but soon differs from the first of the row.
 TEST_F(RepeatedImagesTest, WhatGetsBrighterIsNotTheSameForEver) {
   int fresh = 0;
   for (int i = 0; i < 20; ++i) fresh += take(cv::Mat(48, 64, CV_8U, cv::Scalar(100 + i))) == Kind::kNew;

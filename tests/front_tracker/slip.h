@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A submap as a slip of tracking leaves it: its end lies elsewhere than it should.
+// Bends the end of a submap, as a slip of tracking does.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -11,7 +11,8 @@
 namespace rumi::testing {
 using namespace rumi::front_tracker;
 
-// Keyframes from `utime_us` on, and what no others have seen, are elsewhere than they should be: tracking has slipped.
+// Moves the keyframes from `utime_us` on, and landmarks that only they observe, to a wrong place, as if tracking had
+// slipped.
 inline void slip(FrontSubmap* s, int64_t utime_us) {
   const SE3 bent_from_true(Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY())), {0.3, 0, 0.1});
   const auto is_bent = [&](int id) { return s->map.keyframe(id)->utime_us >= utime_us; };
@@ -25,7 +26,8 @@ inline void slip(FrontSubmap* s, int64_t utime_us) {
     if (is_bent(id)) kf.cam_from_submap = kf.cam_from_submap * bent_from_true.inverse();
 }
 
-// A second later, with landmarks of its own: of what it sees nothing hangs on what was there before.
+// Appends the keyframes of `end` with times a second later and with landmarks of their own, so that they share none
+// with the keyframes already there.
 inline void append(const FrontSubmap& end, FrontSubmap* s) {
   std::map<int, int> id_of;
   for (const auto& [id, kf] : end.map.keyframes) {

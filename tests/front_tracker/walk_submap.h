@@ -29,7 +29,7 @@ inline Frame frame_of(size_t i) {
   return frame;
 }
 
-// Keyframes at their true poses, with landmarks of the corners that the first two have in common.
+// Returns a submap with keyframes at their true poses, and with landmarks that the first two have in common.
 inline std::unique_ptr<FrontSubmap> submap_of(const std::vector<size_t>& images) {
   auto s = std::make_unique<FrontSubmap>();
   s->map.camera = walk().camera;
@@ -52,7 +52,7 @@ inline std::unique_ptr<FrontSubmap> submap_of(const std::vector<size_t>& images)
   return s;
 }
 
-// How far the frame's pose puts its landmarks from where the true one does, pixels.
+// Returns the median distance, in pixels, between the landmarks' projections at the frame's pose and at the true one.
 inline double median_shift(const FrontSubmap& s, const Frame& frame, const SE3& cam_from_room) {
   std::vector<double> shifts;
   for (int id : frame.landmark_ids) {

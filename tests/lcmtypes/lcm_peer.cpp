@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// LCM's own library, for what Python says that it writes and reads.
-//   lcm_peer echo            sends what comes on TO_CPP back on FROM_CPP, until something comes on END
-//   lcm_peer url             prints the bus of Rumi's programs
+// Uses LCM's own library, to test that it reads what our Python module writes, and the other way round.
+//   lcm_peer echo            sends messages on TO_CPP back on FROM_CPP, until a message comes on END
+//   lcm_peer url             prints the LCM URL of Rumi's programs
 //   lcm_peer copy LOG TO     reads a log and writes its events into another one
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// map_server with a map of an earlier session: one that stays as it is, in which what is new is placed, and one that
-// goes on.
+// map_server with a map of an earlier session: with localize_only, where new submaps are placed in the unchanged map,
+// and without, where the map goes on.
 #include <gmock/gmock.h>
 
 #include <cstdio>
@@ -17,7 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Two submaps of session 7 are the map, one is not; session 8 comes later.
+// Two submaps of session 7 are the map, the third is apart from it; session 8 comes later.
 constexpr SubmapKey kFirst{7, 1}, kSecond{7, 2}, kApart{7, 3}, kLater{8, 1}, kElsewhere{8, 2};
 
 class LocalizeOnlyTest : public ::testing::Test {
@@ -37,7 +37,7 @@ class LocalizeOnlyTest : public ::testing::Test {
     options_.localize_only = true;
   }
 
-  // Keyframes only; those of different submaps at different times.
+  // Makes a submap whose frames are all keyframes. Different submaps have different times.
   Submap film(SubmapKey key, const std::vector<ScenePoint>& points, const std::vector<SE3>& cams_from_world,
               const Sim3& submap_from_world) {
     Submap submap = scene_.submap(key, points, cams_from_world, submap_from_world);
@@ -72,7 +72,7 @@ class LocalizeOnlyTest : public ::testing::Test {
     pass(3);
     return result;
   }
-  // Another database, of one front submap that nobody has placed.
+  // Makes another database, with one front submap that was never placed.
   void make_single_map() {
     options_.database = database_ = folder_ / "single.db";
     options_.merge.enabled = false;
@@ -98,7 +98,7 @@ class LocalizeOnlyTest : public ::testing::Test {
 
   PlaceScene scene_;
   std::vector<ScenePoint> points_;
-  Sim3 map_from_world_;  // the map's frame of reference is that of its first submap
+  Sim3 map_from_world_;  // the map's frame of reference is the one of its first submap
   TemporaryFolder folder_;
   std::string database_, bytes_;
   MapServerOptions options_;
@@ -109,7 +109,7 @@ class LocalizeOnlyTest : public ::testing::Test {
 };
 
 TEST_F(LocalizeOnlyTest, WhatIsNewIsPlacedInAMapThatStaysAsItIs) {
-  const Atlas before = MapStore::copy_in_memory(database_).load();
+  const Atlas before = load_atlas(database_).value();
   ASSERT_TRUE(before.find(kFirst)->in_map && before.find(kSecond)->in_map);
   ASSERT_FALSE(before.find(kApart)->in_map);
   start();
@@ -137,14 +137,14 @@ TEST_F(LocalizeOnlyTest, WhatIsNewIsPlacedInAMapThatStaysAsItIs) {
   std::printf("a camera 2 to 8 away from all it sees is placed within %.4f and %.3f deg\n", worst, worst_deg);
   EXPECT_LT(worst, 0.02);
   EXPECT_LT(worst_deg, 0.3);
-  // What the map has already is there once, as the map has it.
+  // Landmarks that the map has already are fused into the map's.
   int into_the_map = 0;
   for (const auto& [id, into] : placed.placement.fused) into_the_map += into.submap != kLater;
   EXPECT_GT(into_the_map, 100);
 }
 
 TEST_F(LocalizeOnlyTest, WhatFitsNowhereDoesNotTakeTheMapsPlace) {
-  const Atlas before = MapStore::copy_in_memory(database_).load();
+  const Atlas before = load_atlas(database_).value();
   start();
   std::vector<SE3> long_path;
   for (int i = 0; i < 5; ++i)
@@ -159,12 +159,12 @@ TEST_F(LocalizeOnlyTest, WhatFitsNowhereDoesNotTakeTheMapsPlace) {
   expect_map_untouched(before);
 }
 
-// A map that is one front submap as it is: nobody has placed it.
+// The map is a single front submap that was never placed.
 TEST_F(LocalizeOnlyTest, AMapOfASingleSubmapIsAMap) {
   options_.localize_only = false;
   make_single_map();
   bytes_ = read_file(database_);
-  const Atlas before = MapStore::copy_in_memory(database_).load();
+  const Atlas before = load_atlas(database_).value();
   ASSERT_EQ(before.find(kFirst)->placement.revision, 0);
   options_.localize_only = true;
   options_.merge.enabled = true;
@@ -179,7 +179,7 @@ TEST_F(LocalizeOnlyTest, AMapOfASingleSubmapIsAMap) {
 }
 
 TEST_F(LocalizeOnlyTest, AnUpdateOfTheMapIsRefused) {
-  const Atlas before = MapStore::copy_in_memory(database_).load();
+  const Atlas before = load_atlas(database_).value();
   start();
   Submap more = before.find(kSecond)->submap;
   ++more.revision;
@@ -191,7 +191,7 @@ TEST_F(LocalizeOnlyTest, AnUpdateOfTheMapIsRefused) {
 
 TEST_F(LocalizeOnlyTest, ThereMustBeAMap) {
   for (const std::string& name : {std::string(":memory:"), folder_ / "absent.db", folder_ / "empty.db"}) {
-    if (name == folder_ / "empty.db") MapStore empty(name);
+    if (name == folder_ / "empty.db") MapStore empty = MapStore::open(name).value();
     options_.database = name;
     try {
       start();
@@ -202,15 +202,15 @@ TEST_F(LocalizeOnlyTest, ThereMustBeAMap) {
   }
 }
 
-// Not localize_only.
+// Tests of a new session without localize_only.
 class NextSessionTest : public LocalizeOnlyTest {
  protected:
   NextSessionTest() {
     options_.localize_only = false;
-    before_ = MapStore::copy_in_memory(database_).load();
+    before_ = load_atlas(database_).value();
   }
   bool in_map(SubmapKey key) const { return node_->atlas().find(key)->in_map; }
-  // Where the map of before is, still or again; adjusted, it may have moved a little.
+  // Expects the map of the earlier session where it was; an adjustment may have moved it a little.
   void expect_it_lies_where_it_lay() const {
     for (const SubmapKey key : {kFirst, kSecond}) {
       const AtlasSubmap &was = *before_.find(key), &is = *node_->atlas().find(key);
@@ -226,7 +226,7 @@ class NextSessionTest : public LocalizeOnlyTest {
     pass(2);
     return last;
   }
-  // Of front_tracker's images, which have no pose here.
+  // Publishes the state of an image of front_tracker without a pose.
   void pass_to_image_at(int64_t utime_us) {
     bus_->publish(channels::kTrack, testing::make_track(utime_us, kElsewhere.session, track_t::LOST, kNoSubmap));
     pass(0.1);
@@ -248,7 +248,7 @@ TEST_F(NextSessionTest, IsAMapOfItsOwnUntilItIsJoinedToTheOneBefore) {
   EXPECT_EQ(apart.localized_frames, 0);
   EXPECT_EQ(apart.localized_after_s, -1);
 
-  // The same session sees the place again.
+  // Later the same session sees the place of the map.
   pass_to_image_at(22'500'000);
   ASSERT_TRUE(send(film(kLater, points_, scene_.path(0.5, 0.1, 0.2, -0.1), scene_.gauge(0.7))).ok);
   end();
@@ -281,7 +281,7 @@ TEST_F(NextSessionTest, LeavesTheMapBeforeWhereItLayForTheOneAfter) {
   expect_it_lies_where_it_lay();
 }
 
-// Nobody has placed it yet: it was all there was.
+// The single submap was never placed, because there was no other.
 TEST_F(NextSessionTest, JoinsAMapOfASingleSubmapInItsFrameOfReference) {
   make_single_map();
   options_.merge.enabled = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// map_server and its files: a disk that is full, a database that is busy or broken, snapshots.
+// map_server and its files: a full disk, a database that is busy or damaged, snapshots.
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -54,7 +54,7 @@ TEST_F(MapServerNodeOnDisk, FullDiskIsSaidAndNothingIsLost) {
   EXPECT_EQ(retried.revision, 21);
   pass(2);
   EXPECT_FALSE(node_->status().degraded);
-  expect_same(node_->atlas(), node_->store().load());
+  expect_same(node_->atlas(), node_->store().load().value());
 }
 
 TEST_F(MapServerNodeOnDisk, ABusyDatabaseIsARefusalThatIsMadeGoodLater) {
@@ -91,13 +91,13 @@ TEST_F(MapServerNodeOnDisk, ASnapshotIsMadeWhileItGoesOn) {
   maker.step();
   ASSERT_TRUE(send_and_wait(make_submap_update(maker.submap(), 0)).ok);
   for (const int id : {1, 2, 3}) ask(map_request_t::SNAPSHOT, id);
-  // A thread takes its own time, whatever the clock of the bus says.
+  // The snapshots are written in a thread, which runs in real time and not by the clock of the bus, so wait for them.
   testing::happens([this] { return answers_.size() == 3; }, [this] { pass(0.1); });
   ASSERT_EQ(answers_.size(), 3);
   for (const ChunkReceiver::Payload& answer : answers_) {
     EXPECT_EQ(answer.kind, chunk_t::DATABASE);
     testing::write_file(folder() / "answer.db", std::string(answer.bytes.begin(), answer.bytes.end()));
-    expect_same(node_->atlas(), MapStore::copy_in_memory(folder() / "answer.db").load());
+    expect_same(node_->atlas(), load_atlas(folder() / "answer.db").value());
   }
 }
 
@@ -106,7 +106,7 @@ TEST_F(MapServerNodeOnDisk, GoesOnWhereItsPredecessorStopped) {
   maker.step();
   ASSERT_TRUE(send_and_wait(make_submap_update(maker.submap(), 0)).ok);
   bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::NOT_INITIALIZED, kNoSubmap));
-  pass(2);  // frame states are written once a second
+  pass(2);  // frame states are written every second
   const Atlas before = node_->atlas();
   node_.reset();
   MemoryBus next;
@@ -120,7 +120,7 @@ TEST_F(MapServerNodeOnDisk, FinishWritesWhatIsUnwritten) {
   bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::NOT_INITIALIZED, kNoSubmap));
   bus_.dispatch();
   node_->finish();
-  EXPECT_EQ(node_->store().load().frames().size(), 1);
+  EXPECT_EQ(node_->store().load().value().frames().size(), 1);
 }
 
 struct SnapshotFolder {
@@ -147,16 +147,16 @@ TEST_F(MapServerNodeSnapshots, AreWrittenOnTimeAndAtTheEnd) {
   EXPECT_FALSE(exists());
   pass(6);
   ASSERT_TRUE(exists());
-  expect_same(node_->atlas(), MapStore(options_.snapshot_file).load());
+  expect_same(node_->atlas(), MapStore::open(options_.snapshot_file).value().load().value());
   std::filesystem::remove(options_.snapshot_file);
   pass(30);
-  EXPECT_FALSE(exists());  // there is nothing new
+  EXPECT_FALSE(exists());  // because nothing has changed
   bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::LOST, kNoSubmap));
   pass(11);
   EXPECT_TRUE(exists());
   ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 5), 0)).ok);
   node_->finish();
-  expect_same(node_->atlas(), MapStore(options_.snapshot_file).load());
+  expect_same(node_->atlas(), MapStore::open(options_.snapshot_file).value().load().value());
   EXPECT_FALSE(node_->status().degraded);
 }
 

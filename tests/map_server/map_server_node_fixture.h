@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// map_server on a bus in memory, for tests of what it answers.
+// map_server on a bus in memory, for tests of its answers.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -13,18 +13,19 @@
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/submap_update.h"
 #include "map_server/map_server_node.h"
+#include "tests/map_server/place_map.h"
 #include "tests/map_server/test_atlas.h"
 
 namespace rumi::testing {
 
 inline constexpr SubmapKey kKey{7, 1};
 
-// map_server on a bus in memory, with a front_tracker's sender and an asker beside it. Time passes in steps of 50 ms.
+// map_server on a bus in memory, with a sender of submaps and an asker. Time passes in steps of 50 ms.
 class MapServerNodeTest : public ::testing::Test {
  protected:
   explicit MapServerNodeTest(const std::function<void(MapServerOptions*)>& change = {}) {
     options_.database = ":memory:";
-    options_.merge.enabled = false;  // see merging_node_test.cpp
+    options_.merge.enabled = false;  // merging is tested in merging_node_test.cpp
     if (change) change(&options_);
     node_ = std::make_unique<MapServerNode>(bus_, options_);
     bus_.subscribe<map_status_t>(channels::kMapStatus, {}, [this](const map_status_t& s) { statuses_.push_back(s); });
@@ -77,7 +78,7 @@ class MapServerNodeTest : public ::testing::Test {
       placements[key] = make_placement(submap, 3);
       placements[key].fused[submap.landmarks.rbegin()->first] = {key, submap.landmarks.begin()->first};
     }
-    node_->atlas().place_map(placements);
+    testing::place_map(&node_->atlas(), placements);
   }
   void lose(double share) {
     bus_.set_tap([this, share](const std::string&, std::span<const uint8_t>) {

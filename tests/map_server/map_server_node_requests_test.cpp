@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What map_server answers to who asks.
+// The answers of map_server to requests.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "bus/wire/map_overview.h"
+#include "bus/wire/pose.h"
 #include "lcmtypes/rumi/map_region_t.hpp"
 #include "lcmtypes/rumi/trajectory_t.hpp"
 #include "tests/map_server/map_server_node_fixture.h"
@@ -25,14 +26,14 @@ using testing::TemporaryFolder;
 
 TEST_F(MapServerNodeTest, AMapOfAnySizeIsToldInDatagramsAndWholeWhenAskedFor) {
   for (int id = 1; id <= 1000; ++id)
-    node_->atlas().change_submap({7, id}, [id](Submap* submap) {
+    EXPECT_TRUE(node_->atlas().change_submap({7, id}, [id](Submap* submap) {
       submap->key = {7, id};
       submap->revision = 1;
-      return std::string();
-    });
+      return Result<>();
+    }));
   std::vector<Link> links;
   for (int i = 0; i < 5000; ++i) links.push_back({.a = {7, 1}, .b = {7, 2}, .doubt = std::string(100, 'x')});
-  node_->atlas().set_links(std::move(links));
+  EXPECT_TRUE(node_->atlas().set_links(std::move(links)));
   size_t largest = 0;
   bus_.set_tap([&](const std::string& channel, std::span<const uint8_t> data) {
     if (channel == channels::kMapStatus) largest = std::max(largest, data.size());
@@ -67,7 +68,7 @@ TEST_F(MapServerNodeTest, AnswersWithASubmapOrWhatChangedInIt) {
   Submap copy;
   submap_update_t update;
   ASSERT_TRUE(Bus::decode(answers_[0].bytes, &update));
-  ASSERT_EQ(apply_submap_update(update, &copy), "");
+  ASSERT_EQ(apply_submap_update(update, &copy).error_text(), "");
   EXPECT_EQ(copy.landmarks.size(), maker.submap().landmarks.size());
   EXPECT_EQ(copy.revision, 4);
   ASSERT_TRUE(Bus::decode(answers_[1].bytes, &update));
@@ -83,8 +84,8 @@ TEST_F(MapServerNodeTest, ASnapshotIsADatabaseWithEverythingHeardSoFar) {
   EXPECT_EQ(answers_[0].kind, chunk_t::DATABASE);
   const TemporaryFolder folder;
   testing::write_file(folder / "map.db", std::string(answers_[0].bytes.begin(), answers_[0].bytes.end()));
-  MapStore store(folder / "map.db");
-  const Atlas loaded = store.load();
+  MapStore store = MapStore::open(folder / "map.db").value();
+  const Atlas loaded = store.load().value();
   expect_same(node_->atlas(), loaded);
   EXPECT_EQ(loaded.frames().at({900'000}).state, TrackingState::kLost);
 }
@@ -92,7 +93,7 @@ TEST_F(MapServerNodeTest, ASnapshotIsADatabaseWithEverythingHeardSoFar) {
 TEST_F(MapServerNodeTest, ASnapshotIsNotRefusedBecauseOthersAskALot) {
   ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 6), 0)).ok);
   map_request_t request{};
-  request.requester = "viewer";  // takes its time
+  request.requester = "viewer";  // a requester that receives slowly
   request.what = map_request_t::SUBMAP;
   request.session = kKey.session;
   request.submap_id = kKey.id;
@@ -126,7 +127,7 @@ TEST_F(MapServerNodeTest, AnswersWithTheMapAsItWasPlaced) {
   ASSERT_TRUE(send_and_wait(make_submap_update(make_submap({7, 2}, 2, 2, 50'000'000), 0)).ok);
   place({kKey});
   const AtlasSubmap& owner = *node_->atlas().find(kKey);
-  ask(map_request_t::PLACED_SUBMAP, 1, kKey, 3);  // base_revision makes no difference
+  ask(map_request_t::PLACED_SUBMAP, 1, kKey, 3);  // base_revision has no effect
   ask(map_request_t::TRAJECTORY, 2);
   ask_region(3, {0, 0, 0}, 1e300);
   ask_region(4, {0.1, 0.2, 0.3}, 3);
@@ -134,7 +135,7 @@ TEST_F(MapServerNodeTest, AnswersWithTheMapAsItWasPlaced) {
   submap_update_t update;
   ASSERT_TRUE(Bus::decode(answers_[0].bytes, &update));
   Submap placed;
-  ASSERT_EQ(apply_submap_update(update, &placed), "");
+  ASSERT_EQ(apply_submap_update(update, &placed).error_text(), "");
   for (const auto& [id, keyframe] : owner.submap.keyframes)
     EXPECT_LT((placed.keyframe(id)->cam_from_submap.center() - owner.placement.cam_from_map(keyframe).center()).norm(),
               1e-12);
@@ -165,7 +166,7 @@ TEST_F(MapServerNodeTest, AnswersWithTheMapAsItWasPlaced) {
   EXPECT_EQ(answers_[2].kind, chunk_t::REGION);
   ASSERT_TRUE(Bus::decode(answers_[2].bytes, &all));
   ASSERT_TRUE(Bus::decode(answers_[3].bytes, &near));
-  EXPECT_EQ(all.nlandmarks, static_cast<int>(owner.submap.landmarks.size()) - 1);  // one is fused
+  EXPECT_EQ(all.nlandmarks, static_cast<int>(owner.submap.landmarks.size()) - 1);  // one landmark is fused into another
   EXPECT_EQ(all.nkeyframes, static_cast<int>(owner.submap.keyframes.size()));
   EXPECT_EQ(all.map_revision, node_->atlas().revision());
   const auto is_near = [](const Eigen::Vector3d& p) { return (p - Eigen::Vector3d(0.1, 0.2, 0.3)).norm() <= 3; };
@@ -228,7 +229,7 @@ TEST_F(MapServerNodeTest, AFloodOfRequestsIsBounded) {
   }
   bus_.dispatch();
   EXPECT_FALSE(node_->finished());
-  pass(140);  // nobody takes the answers, five at a time: given up
+  pass(140);  // nobody receives the answers; they are given up five at a time
   EXPECT_TRUE(node_->finished());
   ask(map_request_t::SNAPSHOT, 5);
   EXPECT_EQ(answers_.size(), 1);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "bus/wire/pose.h"
 #include "tests/map_server/map_server_node_fixture.h"
 
 namespace rumi::map_server {
@@ -24,7 +25,7 @@ TEST_F(MapServerNodeTest, StoresBeforeItAcknowledges) {
   EXPECT_TRUE(result.ok) << result.reason;
   EXPECT_EQ(result.revision, 5);
   EXPECT_EQ(node_->store().stored_revision(kKey), 5);
-  expect_same(node_->atlas(), node_->store().load());
+  expect_same(node_->atlas(), node_->store().load().value());
 }
 
 TEST_F(MapServerNodeTest, ChunkLossOfAThirdCostsTimeOnly) {
@@ -48,7 +49,7 @@ TEST_F(MapServerNodeTest, ChunkLossOfAThirdCostsTimeOnly) {
     EXPECT_EQ(got.landmark(id)->position, landmark.position);
     EXPECT_EQ(got.landmark(id)->observations.size(), landmark.observations.size());
   }
-  expect_same(node_->atlas(), node_->store().load());
+  expect_same(node_->atlas(), node_->store().load().value());
 }
 
 TEST_F(MapServerNodeTest, AnUpdateFromBeyondIsSentBackToWhatIsStored) {
@@ -113,7 +114,7 @@ TEST_F(MapServerNodeTest, NonsenseIsRejectedWithItsReasonAndHurtsNothing) {
   EXPECT_FALSE(results_[results_.size() - 2].ok);
 
   expect_same(before, node_->atlas().find(kKey)->submap);
-  expect_same(node_->atlas(), node_->store().load());
+  expect_same(node_->atlas(), node_->store().load().value());
   const TransferResult result = send_and_wait(make_submap_update(maker.submap(), 3));
   EXPECT_TRUE(result.ok) << result.reason;
 }
@@ -125,7 +126,7 @@ TEST_F(MapServerNodeTest, ALandmarkThatNobodyObservesIsKept) {
   submap.landmarks[900].revision = submap.revision;
   ASSERT_TRUE(send_and_wait(make_submap_update(submap, 0)).ok);
   ASSERT_NE(node_->atlas().find(kKey)->submap.landmark(900), nullptr);
-  expect_same(node_->atlas(), node_->store().load());
+  expect_same(node_->atlas(), node_->store().load().value());
 }
 
 TEST_F(MapServerNodeTest, StatusTellsTheWholeAtlasAtOneHertz) {
@@ -161,15 +162,15 @@ TEST_F(MapServerNodeTest, StatusTellsTheWholeAtlasAtOneHertz) {
 TEST_F(MapServerNodeTest, StatusTellsOfLinksAndPlacements) {
   ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 4), 0)).ok);
   place({kKey});
-  node_->atlas().set_links({{.a = kKey,
-                             .b = {7, 1},
-                             .kind = Link::Kind::kAppearance,
-                             .keyframes = 5,
-                             .keyframe_inliers = 4,
-                             .landmarks = 90,
-                             .landmark_inliers = 80,
-                             .rmse_px = 0.5,
-                             .doubt = "too good to be true"}});
+  EXPECT_TRUE(node_->atlas().set_links({{.a = kKey,
+                                         .b = {7, 1},
+                                         .kind = Link::Kind::kAppearance,
+                                         .keyframes = 5,
+                                         .keyframe_inliers = 4,
+                                         .landmarks = 90,
+                                         .landmark_inliers = 80,
+                                         .rmse_px = 0.5,
+                                         .doubt = "too good to be true"}}));
   statuses_.clear();
   pass(1.1);
   ASSERT_FALSE(statuses_.empty());
@@ -200,7 +201,7 @@ TEST_F(MapServerNodeTest, GarbageOnEveryChannelIsSurvived) {
   EXPECT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 2), 0)).ok);
 }
 
-// Valid messages with a few wrong bytes: whatever gets through the checks must leave a map that can be stored and read.
+// Sends valid messages with a few wrong bytes. Whatever passes the checks must leave a map that can be stored and read.
 TEST_F(MapServerNodeTest, DamagedMessagesAreSurvived) {
   const Submap submap = make_submap(kKey, 1, 2);
   const std::vector<uint8_t> update = encode_message(make_submap_update(submap, 0));
@@ -227,7 +228,7 @@ TEST_F(MapServerNodeTest, DamagedMessagesAreSurvived) {
   EXPECT_EQ(results_.size(), 1500);
   EXPECT_TRUE(std::any_of(results_.begin(), results_.end(), [](const TransferResult& r) { return !r.ok; }));
   node_->finish();
-  expect_same(node_->atlas(), node_->store().load());
+  expect_same(node_->atlas(), node_->store().load().value());
   EXPECT_TRUE(send_and_wait(make_submap_update(make_submap({7, 77}, 1, 2), 0)).ok);
 }
 

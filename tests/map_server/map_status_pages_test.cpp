@@ -18,17 +18,17 @@ class MapStatusPagesTest : public ::testing::Test {
     std::vector<Link> list;
     for (int i = 0; i < links; ++i)
       list.push_back({.a = {7, 1}, .b = {7, 2}, .keyframes = i, .doubt = std::string(i % 2 == 0 ? 0 : 300, 'x')});
-    atlas_.set_links(std::move(list));
+    EXPECT_TRUE(atlas_.set_links(std::move(list)));
   }
   void change(SubmapKey key, int64_t revision) {
-    atlas_.change_submap(key, [&](Submap* submap) {
+    EXPECT_TRUE(atlas_.change_submap(key, [&](Submap* submap) {
       submap->key = key;
       submap->kind = key.id < 0 ? SubmapKind::kBack : SubmapKind::kFront;
       submap->revision = revision;
-      return std::string();
-    });
+      return Result<>();
+    }));
   }
-  // A page that went over the wire.
+  // Returns the next page, encoded and decoded again.
   map_status_t next() {
     const std::vector<uint8_t> bytes = encode_message(pages_.next(atlas_, ++now_us_));
     EXPECT_LE(static_cast<int64_t>(bytes.size()), kDatagramBytes);
@@ -110,7 +110,7 @@ TEST_F(MapStatusPagesTest, ARoundTellsAllAndEnds) {
   int pages = 0;
   while (pages_.round_goes_on() && pages < 100) overview.take(next()), ++pages;
   expect_all(overview);
-  // What comes afterwards waits for the next second.
+  // A later change does not prolong the round, but waits for the next second.
   change({7, 2001}, 1);
   EXPECT_FALSE(pages_.round_goes_on());
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What never moves in the images: what map_server keeps of RUMI_MASK.
+// The masks of the part that never moves, which map_server keeps from RUMI_MASK.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -32,18 +32,18 @@ TEST_F(MasksTest, TheNewestOfEachStreamIsKept) {
   learn(kStream, make_mask(7, 1'000'000, 8));
   learn(kStream, make_mask(7, 2'000'000, 12));
   learn(6, make_mask(7, 1'500'000, 4));
-  learn(kStream, make_mask(7, 1'900'000, 20));  // late
+  learn(kStream, make_mask(7, 1'900'000, 20));  // older than the known one
   EXPECT_EQ(node_->atlas().masks(),
             (std::map<int64_t, StillMask>{{kStream, make_mask(7, 2'000'000, 12)}, {6, make_mask(7, 1'500'000, 4)}}));
-  learn(kStream, make_mask(7, 3'000'000, 0));  // it does move
+  learn(kStream, make_mask(7, 3'000'000, 0));  // the part does move: nothing is masked
   EXPECT_EQ(node_->atlas().masks().at(kStream), make_mask(7, 3'000'000, 0));
 }
 
-// Each second the same is said again: that is no reason to write.
+// A mask that comes again every second must not be written again.
 TEST_F(MasksTest, WhatIsSaidAgainIsStoredOnce) {
   learn(kStream, make_mask(7, 1'000'000, 8));
   pass(3);
-  expect_same(node_->atlas(), node_->store().load());
+  expect_same(node_->atlas(), node_->store().load().value());
   const int64_t changes = node_->store().changes();
   for (int second = 2; second < 9; ++second) {
     learn(kStream, make_mask(7, second * 1'000'000, 8));
@@ -66,7 +66,7 @@ TEST_F(MasksTest, OfManyStreamsTheNewestAreKept) {
   EXPECT_TRUE(node_->atlas().masks().contains(100));
   EXPECT_FALSE(node_->atlas().masks().contains(1));
   pass(3);
-  expect_same(node_->atlas(), node_->store().load());
+  expect_same(node_->atlas(), node_->store().load().value());
 }
 
 TEST_F(MasksTest, NonsenseIsRejectedAndHurtsNothing) {
@@ -98,11 +98,11 @@ TEST_F(MasksTest, NonsenseIsRejectedAndHurtsNothing) {
     cv::imencode(".jpg", cv::Mat(48, 64, CV_8U, cv::Scalar(255)), jpeg);
     m->png.assign(jpeg.begin(), jpeg.end());
   });
-  publish_bad([](mask_t* m) { m->png[19] = 65; });  // a header that says another width
+  publish_bad([](mask_t* m) { m->png[19] = 65; });  // a width in the PNG's header that is not the message's
   EXPECT_EQ(node_->atlas().masks(), known);
   EXPECT_THAT(node_->status().detail, HasSubstr(fmt::format("{} rejected", bad)));
   pass(3);
-  expect_same(node_->atlas(), node_->store().load());
+  expect_same(node_->atlas(), node_->store().load().value());
 }
 
 TEST(Masks, AreThereAfterARestart) {
@@ -115,7 +115,7 @@ TEST(Masks, AreThereAfterARestart) {
     MapServerNode node(bus, options);
     bus.publish(channels::kMask, make_mask_message(kStream, mask));
     bus.dispatch();
-    bus.set_now_us(2'000'000);  // no more than a second is lost by whatever ends it
+    bus.set_now_us(2'000'000);  // masks are written within a second, so at most that is lost in a crash
     node.tick(bus.now_us());
   }
   MemoryBus bus;
@@ -129,7 +129,7 @@ TEST_F(MasksTest, AreInASnapshot) {
   ASSERT_EQ(answers_.size(), 1u);
   const testing::TemporaryFolder folder;
   testing::write_file(folder / "answer.db", std::string(answers_[0].bytes.begin(), answers_[0].bytes.end()));
-  expect_same(node_->atlas(), MapStore(folder / "answer.db").load());
+  expect_same(node_->atlas(), MapStore::open(folder / "answer.db").value().load().value());
 }
 
 }  // namespace

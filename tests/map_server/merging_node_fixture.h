@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A map_server that may be started anew, makers of submaps, and a chain of five submaps to send to it.
+// A map_server that can be restarted, a sender of submaps, and a chain of five submaps to send.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bus/transport/memory_bus.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "map_server/map_server_node.h"
@@ -34,7 +35,7 @@ class MergingNodeTest : public ::testing::Test {
     options_.database = ":memory:";
     options_.merge.thread = false;
   }
-  // A new process, of the database that there is. What was on the bus is gone.
+  // Starts a new process with the same database. Messages on the bus are lost.
   void start() {
     stop();
     side_ = std::make_unique<Side>();
@@ -76,7 +77,7 @@ class MergingNodeTest : public ::testing::Test {
     side_->bus.publish(channels::kMapRequest, request);
     side_->bus.dispatch();
   }
-  // Until what the thread has under way is done; no time passes.
+  // Waits until the thread has finished its build, without letting time pass.
   void wait() {
     for (int64_t i = 0; i < 100'000'000; ++i) {
       ask_for(map_request_t::STATUS);
@@ -85,7 +86,7 @@ class MergingNodeTest : public ::testing::Test {
       std::this_thread::yield();
     }
   }
-  // Until every image of the map has been adjusted.
+  // Lets time pass until the whole map has been adjusted.
   void settle() { pass(options_.merge.adjustment_interval_s + 5); }
 
   bool in_map(SubmapKey key) const {
@@ -108,10 +109,10 @@ class MergingNodeTest : public ::testing::Test {
     EXPECT_EQ(side_->status.frames_in_map, Chain::kImages);
     EXPECT_EQ(side_->status.map_revision, node_->atlas().revision());
     EXPECT_LT(chain_->error(node_->atlas()).rmse, 0.04);
-    expect_same(node_->atlas(), node_->store().load());
+    expect_same(node_->atlas(), node_->store().load().value());
   }
 
-  // The bus, and those beside map_server on it.
+  // The bus, and the other processes on it.
   struct Side {
     Side() {
       bus.subscribe<map_status_t>(channels::kMapStatus, {}, [this](const map_status_t& s) { status = s; });

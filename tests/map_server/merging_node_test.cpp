@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// map_server with what makers of submaps send it: one map of all that hangs together, in whatever order it comes.
+// map_server receives submaps, and makes one map of all connected ones, in whatever order they come.
 #include <gmock/gmock.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -68,7 +68,7 @@ TEST_F(MergingNodeTest, ThePartsOfASubmapMayComeLate) {
   expect_one_map();
 }
 
-// Nobody who uses the map sees it jump or change its unit.
+// The map does not jump or change its unit for those who use it.
 TEST_F(MergingNodeTest, TheAnchorKeepsItsGauge) {
   start();
   ASSERT_TRUE(send(kFront2).ok);
@@ -89,7 +89,7 @@ TEST_F(MergingNodeTest, TheAnchorKeepsItsGauge) {
   }
   settle();
   expect_gauge(kFront2, first.cam_from_submap, 1);
-  // An older one that joins later is the anchor from then on.
+  // An older submap that joins later becomes the anchor.
   ASSERT_TRUE(send(kFront1).ok);
   ASSERT_TRUE(send(kBack1).ok);
   pass(3);
@@ -122,7 +122,7 @@ TEST_F(MergingNodeTest, ASnapshotWaitsForTheMap) {
     ASSERT_EQ(side_->answers[0].kind, chunk_t::DATABASE);
     const TemporaryFolder folder;
     write_file(folder / "map.db", std::string(side_->answers[0].bytes.begin(), side_->answers[0].bytes.end()));
-    const Atlas snapshot = MapStore(folder / "map.db").load();
+    const Atlas snapshot = MapStore::open(folder / "map.db").value().load().value();
     expect_same(node_->atlas(), snapshot);
     EXPECT_EQ(snapshot.frames_in_map(), Chain::kImages);
     for (const auto& [key, owner] : snapshot.submaps()) {
@@ -136,7 +136,7 @@ TEST_F(MergingNodeTest, ASnapshotWaitsForTheMap) {
   }
 }
 
-// Whoever asks during an adjustment gets what came before he asked, also if that came after the adjustment began.
+// A snapshot contains everything that came before its request, even what came after the running adjustment began.
 TEST_F(MergingNodeTest, ASnapshotDoesNotGoWithoutWhatCameDuringAnAdjustment) {
   options_.merge.thread = true;
   options_.merge.interval_s = 100;
@@ -152,7 +152,7 @@ TEST_F(MergingNodeTest, ASnapshotDoesNotGoWithoutWhatCameDuringAnAdjustment) {
   EXPECT_EQ(side_->answers[1].request_id, 2);
   const TemporaryFolder folder;
   write_file(folder / "map.db", std::string(side_->answers[1].bytes.begin(), side_->answers[1].bytes.end()));
-  EXPECT_EQ(MapStore(folder / "map.db").load().frames_in_map(), Chain::kImages);
+  EXPECT_EQ(MapStore::open(folder / "map.db").value().load().value().frames_in_map(), Chain::kImages);
 }
 
 TEST_F(MergingNodeTest, WhatIsLeftIsMergedAtTheEnd) {
@@ -188,7 +188,7 @@ TEST_F(MergingNodeTest, ARestartedOneGoesOnWithTheMap) {
   stop();
 }
 
-// It ended at each start, for good.
+// Formerly, such a database ended map_server at each start.
 TEST_F(MergingNodeTest, ServesTheMapOfADatabaseThatNoBuildCanUse) {
   const TemporaryFolder folder;
   options_.database = folder / "map.db";
@@ -197,11 +197,11 @@ TEST_F(MergingNodeTest, ServesTheMapOfADatabaseThatNoBuildCanUse) {
   settle();
   const int64_t revision = side_->status.map_revision;
   start();
-  node_->atlas().change_submap(kBack2, [](Submap* submap) {  // map.db is checked when it is read
+  EXPECT_TRUE(node_->atlas().change_submap(kBack2, [](Submap* submap) {  // map.db is checked when it is read
     ++submap->revision;
     break_submap(submap);
-    return std::string();
-  });
+    return Result<>();
+  }));
   for (int i = 0; i < 2; ++i) {
     pass(60);
     for (const SubmapKey key : kAll) EXPECT_TRUE(in_map(key)) << key.id;
@@ -211,7 +211,7 @@ TEST_F(MergingNodeTest, ServesTheMapOfADatabaseThatNoBuildCanUse) {
     EXPECT_THAT(status.detail, HasSubstr("a build of the map broke off ("));
     EXPECT_THAT(status.detail, HasSubstr("left out until changed: submap -2"));
   }
-  // The map goes on without it.
+  // The map continues to grow without the broken submap.
   SubmapKey other{Chain::kSession, 9};
   Submap copy = chain_->submap(kFront3);
   copy.key = other;
@@ -250,7 +250,7 @@ TEST_F(MergingNodeTest, KilledWhileItMergesItMakesTheSameMap) {
 TEST_F(MergingNodeTest, ABackSubmapIsServedWithoutAFrontOne) {
   start();
   ASSERT_TRUE(send(kBack1).ok);
-  pass(1.5);  // the next status
+  pass(1.5);  // until the next status
   EXPECT_TRUE(in_map(kBack1)) << "before it is adjusted";
   settle();
   EXPECT_TRUE(in_map(kBack1));
@@ -278,7 +278,7 @@ TEST_F(MergingNodeTest, WhatIsCulledStaysAwayAndItsBytesAreGivenBack) {
   EXPECT_LT(bytes[1], 0.95 * static_cast<double>(bytes[0]));
   const size_t left = node_->atlas().find(kBack1)->submap.keyframes.size();
   EXPECT_LT(left, chain_->submap(kBack1).keyframes.size());
-  // Its maker did not hear that it had arrived.
+  // The sender did not receive the acknowledgement, and sends again.
   const TransferResult again = send(kBack1);
   EXPECT_TRUE(again.ok);
   EXPECT_GE(again.revision, chain_->submap(kBack1).revision);
@@ -325,14 +325,14 @@ TEST_F(MergingNodeTest, ARefusedLinkIsToldWithItsReason) {
   EXPECT_FALSE(in_map(kBack1));
   EXPECT_FALSE(in_map(kFront1));
   EXPECT_EQ(side_->status.frames_in_map, Chain::kImages - 54);
-  expect_same(node_->atlas(), node_->store().load());
+  expect_same(node_->atlas(), node_->store().load().value());
 }
 
 TEST_F(MergingNodeTest, AFullDiskIsSaidAndTheMapIsStoredLater) {
   const TemporaryFolder folder;
   options_.database = folder / "map.db";
   options_.merge.interval_s = 10;
-  options_.merge.builder.culling.enabled = false;  // it would make room
+  options_.merge.builder.culling.enabled = false;  // culling would make room
   start();
   send_all();
   ASSERT_FALSE(node_->status().degraded);
@@ -341,7 +341,7 @@ TEST_F(MergingNodeTest, AFullDiskIsSaidAndTheMapIsStoredLater) {
   EXPECT_TRUE(node_->status().degraded);
   EXPECT_THAT(node_->status().detail, HasSubstr("no space left"));
   EXPECT_EQ(side_->status.frames_in_map, Chain::kImages) << "it is served all the same";
-  EXPECT_LT(node_->store().load().frames_in_map(), Chain::kImages);
+  EXPECT_LT(node_->store().load().value().frames_in_map(), Chain::kImages);
   ask_for(map_request_t::SNAPSHOT);
   pass(5);
   ASSERT_EQ(side_->answers.size(), 1u);

@@ -12,7 +12,7 @@ Chain::Chain() : world_(make_room(1)) {
   images_ = film(world_, walk_round(kImages, 0.75), {.most_keypoints = 150, .every = 3});
   for (const SubmapKey key : {kFront1, kBack1, kFront2, kBack2, kFront3})
     made_[key] = make_submap(world_, images_, recipe(key));
-  for (const SubmapKey key : {kBack1, kBack2}) made_[key].submap.closed = true;  // it comes whole, at once
+  for (const SubmapKey key : {kBack1, kBack2}) made_[key].submap.closed = true;  // they come complete, in one update
 }
 
 SubmapRecipe Chain::recipe(SubmapKey key) const {
@@ -67,10 +67,10 @@ Growth grow(const Submap& submap, int early_keyframes) {
 
   growth.late.revision = submap.revision + 1;
   for (auto& [id, keyframe] : growth.late.keyframes) {
-    growth.late.touch(keyframe);
+    keyframe.revision = growth.late.revision;
     if (is_late(id)) keyframe.created_revision = growth.late.revision;
   }
-  for (int id : late_landmarks) growth.late.touch(*growth.late.landmark(id));
+  for (int id : late_landmarks) growth.late.landmark(id)->revision = growth.late.revision;
   for (auto& [utime_us, frame] : growth.late.frames)
     if (is_late(frame.reference_keyframe)) frame.revision = growth.late.revision;
   return growth;
@@ -84,10 +84,10 @@ void break_submap(Submap* submap) {
 }
 
 void put(const Submap& submap, Atlas* atlas) {
-  atlas->change_submap(submap.key, [&](Submap* there) {
+  EXPECT_TRUE(atlas->change_submap(submap.key, [&](Submap* there) {
     *there = submap;
-    return std::string();
-  });
+    return Result<>();
+  }));
 }
 
 }  // namespace rumi::testing

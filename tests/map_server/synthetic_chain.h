@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Front, back, front, back, front: three quarters of a round of a room, so that nothing is seen again at the end. The
-// back submaps cover what the front lost.
+// Front, back, front, back, front: three quarters of a walk round a room, so that its end sees no place again. The back
+// submaps cover the gaps between the front submaps.
 #pragma once
 
 #include <map>
@@ -18,14 +18,14 @@ class Chain {
   static constexpr int64_t kSession = 7;
   static constexpr SubmapKey kFront1{kSession, 1}, kFront2{kSession, 2}, kFront3{kSession, 3}, kBack1{kSession, -1},
       kBack2{kSession, -2};
-  static constexpr int kImages = 150;  // every one is a frame of a submap at least
+  static constexpr int kImages = 150;  // each image is a frame of at least one submap
 
   Chain();
 
   const Submap& submap(SubmapKey key) const { return made_.at(key).submap; }
-  // The same images, but nothing in it is where it should be.
+  // Returns a submap of the same images with wrong poses and landmarks.
   Submap spoiled(SubmapKey key) const;
-  // Of all frames of the placed submaps, which may be those of an earlier revision. In metres.
+  // Returns the error of all frames of the placed submaps, in metres. The atlas may have earlier revisions of them.
   PathError error(const Atlas& atlas) const;
 
  private:
@@ -36,16 +36,16 @@ class Chain {
   std::map<SubmapKey, SyntheticSubmap> made_;
 };
 
-// The submap as it was when only its first keyframes were there (revision 1), and as it is now (revision 2).
+// A submap when it had only its first keyframes (revision 1), and as it is now (revision 2).
 struct Growth {
   Submap early, late;
 };
 Growth grow(const Submap& submap, int early_keyframes);
 
-// What nobody can build a map with: landmarks are seen by a keyframe that is not there.
+// Makes a submap with which every build throws: landmarks are observed by a keyframe that does not exist.
 void break_submap(Submap* submap);
 
-// As an update from its maker would.
+// Applies the submap to the atlas, like an update from its maker.
 void put(const Submap& submap, Atlas* atlas);
 
 }  // namespace rumi::testing

@@ -45,7 +45,7 @@ Sim3 distortion_at(const Distortion& distortion, int image) {
   return after == distortion.begin() ? Sim3() : std::prev(after)->second;
 }
 
-// Sees a world's points in images.
+// Projects a world's points into images.
 class Film {
  public:
   Film(const World& world, const FilmOptions& options)
@@ -66,7 +66,7 @@ class Film {
     const double octave = std::log(world_.octave0_distances[p] / in_cam.norm()) / std::log(scales_[1]);
     if (octave < -0.5 || octave > static_cast<double>(scales_.size()) - 0.5) return;
     const int nearest = std::clamp(static_cast<int>(std::lround(octave)), 0, static_cast<int>(scales_.size()) - 1);
-    // The lens bends rays far outside of the image back into it.
+    // The lens model maps rays far outside the field of view back into the image.
     if (std::abs(in_cam.x() / in_cam.z()) > 1.5 || std::abs(in_cam.y() / in_cam.z()) > 1.5) return;
     const auto pixel = o_.camera.project(in_cam);
     if (!pixel || !o_.camera.contains(*pixel, 5)) return;
@@ -126,7 +126,7 @@ class Maker {
     keyframe.id = id;
     keyframe.utime_us = images_[image].utime_us;
     keyframe.cam_from_submap = noisy_pose(image);
-    // A copy: what comes over the wire is equal to another submap's features, not the same.
+    // A copy, because features that came by a message are equal to another submap's, but not the same object.
     keyframe.features = std::make_shared<Features>(images_[image].features);
     keyframe.landmark_ids.assign(keyframe.features->size(), kNone);
     keyframe.revision = keyframe.created_revision = 1;
@@ -164,7 +164,7 @@ class Maker {
     update_landmark_view(made_.submap, made_.submap.landmark(id));
   }
 
-  // Along the ray from one of the cameras that see it, as triangulation errs.
+  // Displaces the landmark along the ray from one of the cameras that see it, like an error of triangulation.
   Eigen::Vector3d landmark_position(int p, int keyframe_id) {
     const int image = image_of_[keyframe_id];
     const SE3& cam_from_world = images_[image].cam_from_world;
@@ -181,8 +181,8 @@ class Maker {
   const SubmapRecipe& r_;
   Dice dice_;
   SyntheticSubmap made_;
-  std::vector<int> image_of_;                     // per keyframe
-  std::map<int, std::vector<Observation>> seen_;  // per world point
+  std::vector<int> image_of_;                     // the image of each keyframe
+  std::map<int, std::vector<Observation>> seen_;  // the observations of each world point
 };
 
 }  // namespace
@@ -208,7 +208,7 @@ World make_room(unsigned seed, int points) {
       case 4:
         world.points.emplace_back(u, i % 2 ? 1.5 : -1.5, v);
         break;
-      default: {  // not where the camera walks
+      default: {  // away from the camera's path
         const double angle = dice.uniform(-M_PI, M_PI), radius = dice.uniform(1.8, 3);
         world.points.emplace_back(radius * std::sin(angle), h, radius * std::cos(angle));
       }
@@ -269,7 +269,7 @@ Distortion drift(const std::vector<Image>& images, int from, double log_scale_pe
   Distortion distortion;
   Sim3 moved;
   for (int i = from; i < static_cast<int>(images.size()); ++i) {
-    // About where the camera is, so that the path has no step.
+    // About the camera, so that the path has no step.
     const Eigen::Vector3d center = moved * images[i].cam_from_world.center();
     const double scale = std::exp(log_scale_per_image);
     const Eigen::Quaterniond turn = so3_exp({0, yaw_per_image_rad, 0});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/map_server/test_atlas.h"
+#include "tests/map_server/place_map.h"
 
 #include <fmt/format.h>
 
@@ -95,7 +96,7 @@ void SubmapMaker::step() {
   const int keyframe = add_keyframe();
   for (int i = 0; i < 4; ++i) {
     const SE3 pose = i == 0 ? SE3() : random_pose();
-    // Of the keyframes not known: nothing is drawn for them, so that what tests know of the submaps stays as it was.
+    // The first pose has unknown sigmas. They are computed, because drawing random numbers would change all submaps.
     const auto length = static_cast<float>(pose.translation.norm());
     const PoseSigmas sigmas = i == 0 ? PoseSigmas() : PoseSigmas{length, 0.1F * length, 0.01F * length};
     submap_.frames[next_utime_us_] = {next_utime_us_, keyframe, pose, submap_.revision, sigmas};
@@ -104,8 +105,7 @@ void SubmapMaker::step() {
   for (int i = 0; i < 15; ++i) add_landmark();
   for (auto& [id, landmark] : submap_.landmarks) {
     if (random_() % 5 != 0) continue;
-    landmark.position.x() += 0.01;
-    submap_.touch(landmark);
+    submap_.move_landmark(id, landmark.position + Eigen::Vector3d(0.01, 0, 0));
   }
   if (submap_.landmarks.size() > 20) submap_.remove_landmark(submap_.landmarks.begin()->first);
   if (submap_.keyframes.size() > 4 && random_() % 3 == 0) {
@@ -123,7 +123,8 @@ Submap make_submap(SubmapKey key, uint32_t seed, int steps, int64_t first_utime_
 void update_atlas(Atlas* atlas, const Submap& submap) {
   const AtlasSubmap* known = atlas->find(submap.key);
   const submap_update_t update = make_submap_update(submap, known ? known->submap.revision : 0);
-  ASSERT_EQ(atlas->change_submap(submap.key, [&](Submap* s) { return apply_submap_update(update, s); }), "");
+  ASSERT_EQ(atlas->change_submap(submap.key, [&](Submap* s) { return apply_submap_update(update, s); }).error_text(),
+            "");
 }
 
 Placement make_placement(const Submap& submap, uint32_t seed) {
@@ -194,7 +195,7 @@ void expect_same(const Placement& a, const Placement& b) {
   ASSERT_EQ(a.landmarks.size(), b.landmarks.size());
   for (const auto& [id, position] : a.landmarks) {
     ASSERT_TRUE(b.landmarks.contains(id)) << id;
-    EXPECT_TRUE(same_bits(position, b.landmarks.at(id))) << id;  // == takes -0 for 0
+    EXPECT_TRUE(same_bits(position, b.landmarks.at(id))) << id;  // compares bits, because == takes -0 for 0
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the README and docs/ say is read is read: each name of their lists has an input here.
+// Tests that every format is read that the README and docs/ name: each name in their lists has an input here.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -78,14 +78,15 @@ void write_images(const fs::path& folder, const std::vector<std::string>& names)
   for (size_t i = 0; i < names.size(); ++i) cv::imwrite((folder / names[i]).string(), picture(static_cast<int>(i)));
 }
 
-using MakeRecording = std::function<fs::path(const fs::path&)>;  // in this folder; what is then given
+// Makes a recording in a folder; returns the path to open.
+using MakeRecording = std::function<fs::path(const fs::path&)>;
 
 struct Recording {
   const char* in_docs;  // its name in docs/recordings.md
   MakeRecording make;
 };
 
-// By the names of the README.
+// By the names in the README.
 const std::map<std::string, Recording>& recordings() {
   static const std::map<std::string, Recording> kRecordings = {
       {"a folder with `rgb.txt`",
@@ -158,7 +159,7 @@ std::set<std::string> names_of(const Map& map) {
 
 std::string documentation(const char* file) { return testing::read_file(fs::path(RUMI_SOURCE_DIR) / file); }
 
-// What stands between two pieces of text, without remarks in brackets, in one line.
+// Returns the text between `begin` and `end` in one line, without remarks in brackets.
 std::string between(const std::string& text, const std::string& begin, const std::string& end) {
   const size_t from = text.find(begin), to = text.find(end, from);
   EXPECT_NE(to, std::string::npos) << begin << " ... " << end;
@@ -168,7 +169,7 @@ std::string between(const std::string& text, const std::string& begin, const std
   return std::regex_replace(part, std::regex(R"(\s+)"), " ");
 }
 
-// "A, B and C"; a name may have an "and" of its own if it is among `known`.
+// Splits "A, B and C". A name that contains " and " must be among `known`.
 std::set<std::string> list(std::string text, const std::set<std::string>& known) {
   std::set<std::string> names;
   for (const std::string& name : known)
@@ -185,7 +186,7 @@ std::set<std::string> list(std::string text, const std::set<std::string>& known)
   return names;
 }
 
-// The first column of the table there, without its heading and remarks in brackets.
+// Returns the first column of the table between `begin` and `end`, without its heading and remarks in brackets.
 std::set<std::string> rows_between(const std::string& text, const std::string& begin, const std::string& end) {
   const size_t from = text.find(begin), to = text.find(end, from);
   EXPECT_NE(to, std::string::npos) << begin << " ... " << end;
@@ -204,13 +205,13 @@ TEST(FormatsInTheDocs, CameraFilesAreRead) {
   EXPECT_EQ(list(between(page, "also reads, as they are, the files of ", ". Of several"), known), known);
   const TemporaryFolder folder;
   for (const auto& [name, text] : camera_files()) {
-    const CameraFileResult read = read_camera_file(folder.write("camera", text));
-    EXPECT_EQ(read.error, "") << name;
-    EXPECT_EQ(read.camera.fy, 51) << name;
-    EXPECT_EQ(read.camera.cx, 32) << name;
-    EXPECT_EQ(read.camera.height, 48) << name;
+    const Result<CameraFile> read = read_camera_file(folder.write("camera", text));
+    EXPECT_EQ(read.error_text(), "") << name;
+    EXPECT_EQ(read->camera.fy, 51) << name;
+    EXPECT_EQ(read->camera.cx, 32) << name;
+    EXPECT_EQ(read->camera.height, 48) << name;
   }
-  EXPECT_TRUE(read_camera_file(folder.write("own", std::string(kMatrix) + "width: 64\nheight: 48\n")).ok());
+  EXPECT_TRUE(read_camera_file(folder.write("own", std::string(kMatrix) + "width: 64\nheight: 48\n")).has_value());
 }
 
 TEST(FormatsInTheDocs, RecordingsAreRead) {
@@ -223,8 +224,8 @@ TEST(FormatsInTheDocs, RecordingsAreRead) {
     write_file(folder / "calibration.yaml", kCalibration);
     const camera_driver::OpenedSource opened =
         camera_driver::open_recording(recording.make(folder.path()).string(), {});
-    ASSERT_EQ(opened.error, "") << name;
-    EXPECT_TRUE(opened.source->next()) << name;
+    ASSERT_EQ(opened.error_text(), "") << name;
+    EXPECT_TRUE((*opened)->next()) << name;
   }
 }
 
@@ -234,7 +235,7 @@ TEST(FormatsInTheDocs, TruthsAreRead) {
   for (const auto& [name, text] : truths()) {
     const TemporaryFolder folder;
     folder.write("times.txt", "0\n0.1\n");
-    // Of the body's truth the camera's place on it is asked for.
+    // The truth of EuRoC is of the body, so the camera's pose on the body is read, too.
     write_file(folder / "mav0/cam0/sensor.yaml", "T_BS:\n  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n");
     write_file(folder / "mav0/state_groundtruth_estimate0/data.csv", text);
     const std::string file = name.find("EuRoC") != std::string::npos

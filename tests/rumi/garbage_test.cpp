@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ten thousand random, truncated and bit-flipped messages on every channel that any of the processes listens to: none
-// may end, and all must still do their work afterwards.
+// Publishes ten thousand random, truncated and bit-flipped messages on the channels that the processes listen to. No
+// process may end, and all must still do their work afterwards.
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
 
@@ -10,6 +10,7 @@
 #include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_masks.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "front_tracker/front_tracker_node.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
@@ -36,7 +37,7 @@ class Disturber {
       case 1:  // truncated
         bytes.resize(rng_() % bytes.size());
         break;
-      default:  // the fingerprint right, something after it wrong
+      default:  // the fingerprint stays, some bytes after it are wrong
         for (size_t i = 0; i < 1 + rng_() % 6; ++i)
           bytes[8 + rng_() % (bytes.size() - 8)] = static_cast<uint8_t>(rng_());
     }
@@ -65,7 +66,7 @@ submap_update_t small_update() {
   Submap map;
   map.key = {5, 1};
   map.revision = 3;
-  map.camera = parse_calibration(metadata(small_image(1), kCalibrationKey), "test").camera;
+  map.camera = parse_calibration(std::string(metadata(small_image(1), kCalibrationKey)), "test").value().camera;
   auto features = std::make_shared<Features>();
   for (int i = 0; i < 10; ++i) {
     features->keypoints.push_back({{5.0f * static_cast<float>(i), 9}, 0, 0});
@@ -159,13 +160,13 @@ TEST(Garbage, NoProcessEndsAndAllGoOn) {
     bus.dispatch();
   }
 
-  // They still work: an image is answered, a submap is stored.
+  // The processes still work: an image is answered, a submap is stored.
   int answers = 0;
   bus.subscribe<track_t>(channels::kTrack, {}, [&](const track_t&) { ++answers; });
-  // A stamp from the far future may have got through; the recording that follows is then a new session.
+  // A wrong time in the far future may have been accepted. Then these images begin a new session.
   for (int i = 0; i < 30; ++i) bus.publish(channels::kCamera, small_image(bus.now_us() + 1000 * i));
   submap_update_t update = small_update();
-  update.session = bus.now_us() + 1;  // of whoever began last
+  update.session = bus.now_us() + 1;  // a session that is later than all others
   const std::vector<uint8_t> payload = encode_message(update);
   ChunkSender sender(bus, channels::kSubmap, channels::kSubmapAck, "honest");
   bool done = false;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A small atlas: one submap of a few keyframes that see a few landmarks, and one frame that was lost.
+// Makes a small atlas: one submap, whose few keyframes see a few landmarks, and one lost frame.
 #pragma once
+
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
@@ -51,10 +53,10 @@ inline Submap make_test_submap(int keyframes = 4, int landmarks = 20) {
 inline map_server::Atlas make_test_atlas() {
   map_server::Atlas atlas;
   const Submap submap = make_test_submap();
-  atlas.change_submap(submap.key, [&](Submap* target) {
+  EXPECT_TRUE(atlas.change_submap(submap.key, [&](Submap* target) {
     *target = submap;
-    return std::string();
-  });
+    return Result<>();
+  }));
   for (const auto& [utime_us, frame] : submap.frames) atlas.record_frame({utime_us}, {1, TrackingState::kTracking, 1});
   atlas.record_frame({1'400'000}, {1, TrackingState::kLost, kNoSubmap});
   return atlas;

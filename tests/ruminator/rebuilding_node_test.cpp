@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The ruminator with everything behind it: the job, the builder, the back submap on the bus.
+// The whole ruminator: job, builder, and back submap on the bus.
 #include <gmock/gmock.h>
 
 #include "bus/wire/submap_update.h"
@@ -68,15 +68,13 @@ TEST_F(RebuildingNodeTest, StoppedInALossItLeavesTheWindowInTheSpool) {
   for (int i = 0; i < 1000 && !node_->finished(); ++i) node_->tick(now_);
   EXPECT_TRUE(node_->finished());
   EXPECT_TRUE(submaps_.empty());
-  EXPECT_TRUE(read_window_job(folder / "spool/7-1.window").ok());
+  EXPECT_TRUE(read_window_job(folder / "spool/7-1.window").has_value());
 }
 
 TEST_F(RebuildingNodeTest, WindowsOfAnEarlierProcessAreRebuiltAndTheirNumbersNotUsedAgain) {
   const testing::TemporaryFolder folder;
   options_.spool = folder / "spool";
-  std::string error;
-  ASSERT_EQ(Spool::open(options_.spool, 1'000'000, &error)->add(testing::small_job(3, 7), &error),
-            Spool::Added::kAdded);
+  ASSERT_TRUE(Spool::open(options_.spool, 1'000'000).value()->add(testing::small_job(3, 7)));
   start_with_map_server();
   frames(30, 1);
   frames(20, kNoSubmap);

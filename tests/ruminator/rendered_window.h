@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A window of rendered pictures with its truth.
+// A window of rendered pictures with known true poses.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -11,15 +11,14 @@ namespace rumi::testing {
 using namespace rumi::ruminator;
 
 struct RenderedWindow {
-  WindowJob
-      job;  // 7 + 6 + 7 frames, 320 x 240; the gap is blurred, the rest has front poses (the truth) in two submaps
-  std::vector<SE3> cam_from_map;  // of every image
+  WindowJob job;  // 7 + 6 + 7 frames of 320 x 240; the gap is blurred, the others have true front poses in two submaps
+  std::vector<SE3> cam_from_map;  // true poses of all images
 };
 
-// Rendered once, at the first call.
+// Returns the window, which is rendered at the first call.
 const RenderedWindow& rendered_window();
 
-// Another picture in place of the image.
+// Replaces the image by another picture.
 void replace_image(WindowJob* job, size_t index, const cv::Mat& grey);
 
 }  // namespace rumi::testing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A ruminator on a bus in memory, which hears images and what became of them.
+// A ruminator on a bus in memory, to which images and tracking states are sent.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
 #include "bus/wire/jpeg_image.h"
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
 #include "ruminator/ruminator_node.h"
 #include "tests/ruminator/test_jobs.h"
 
@@ -62,7 +62,7 @@ class RuminatorNodeTest : public ::testing::Test {
     track.is_keyframe = is_keyframe;
     bus_.publish(channels::kTrack, track);
   }
-  // As live: the image, then what became of it.
+  // Sends images, each followed by its state, as in live operation.
   void frames(int count, int32_t submap, int keyframe_every = 5) {
     for (int i = 0; i < count; ++i) {
       next();

@@ -21,7 +21,7 @@ TEST_F(RuminatorNodeTest, AWindowIsAnnouncedFromBeginningToEnd) {
   start();
   frames(100, 1);
   EXPECT_TRUE(announced_.empty());
-  frames(60, kNoSubmap);  // 2 s
+  frames(60, kNoSubmap);  // 60 frames are 2 s
   frames(60, 2);
   ASSERT_GE(announced_.size(), 4);
   EXPECT_EQ(announced_[0].state, window_t::COLLECTING);
@@ -29,7 +29,7 @@ TEST_F(RuminatorNodeTest, AWindowIsAnnouncedFromBeginningToEnd) {
   EXPECT_EQ(announced_[0].submap_before, 1);
   EXPECT_EQ(announced_[0].submap_after, kNoSubmap);
   EXPECT_EQ(announced_[0].ngap, 1);
-  EXPECT_EQ(announced_[1].state, window_t::COLLECTING);  // 1 s later
+  EXPECT_EQ(announced_[1].state, window_t::COLLECTING);  // announced again 1 s later
   EXPECT_GE(announced_[1].utime - announced_[0].utime, 1'000'000);
   const window_t& end = announced_.back();
   EXPECT_EQ(end.state, window_t::QUEUED);
@@ -39,7 +39,7 @@ TEST_F(RuminatorNodeTest, AWindowIsAnnouncedFromBeginningToEnd) {
   EXPECT_EQ(end.ngap, 60);
   EXPECT_EQ(end.gap_frames, 60);
   EXPECT_EQ(end.napproach, 15);
-  EXPECT_EQ(end.shared_keyframes_before, 14);  // and the very last frame
+  EXPECT_EQ(end.shared_keyframes_before, 14);  // the 15th sample is the last tracked frame
   EXPECT_EQ(end.shared_keyframes_after, 10);
   EXPECT_EQ(end.reason, "");
   const auto resumed =
@@ -64,7 +64,7 @@ TEST_F(RuminatorNodeTest, AWindowHasImagesOfItsOwnStreamOnly) {
   stream_ = 5;
   frames(20, 1);
   frames(5, kNoSubmap);
-  now_ = 1'000'000;  // another recording with the same times
+  now_ = 1'000'000;  // another recording of the same times
   stream_ = 6;
   frames(20, 1);
   frames(5, kNoSubmap);
@@ -77,7 +77,7 @@ TEST_F(RuminatorNodeTest, AWindowHasImagesOfItsOwnStreamOnly) {
   }
 }
 
-// Of the images' size, or as it is worked on; its upper half is left out.
+// Makes a mask that masks the upper half. Its size may be that of the images, or their working size.
 mask_t learned_mask(int64_t stream, int64_t utime_us, int width = 160, int height = 120) {
   cv::Mat world(height, width, CV_8U, cv::Scalar(255));
   world.rowRange(0, height / 2) = 0;
@@ -109,18 +109,17 @@ TEST_F(RuminatorNodeTest, TheImagesOfAWindowCarryWhatWasLearnedToBeNoWorldAlsoLa
   ASSERT_EQ(jobs_.size(), 1U);
   ASSERT_EQ(jobs_[0].images.size(), 20U);
   for (const image_t& image : jobs_[0].images) {
-    std::string error;
-    const cv::Mat pixels = decode_mask(metadata(image, kMaskKey), &error);
-    ASSERT_EQ(pixels.size(), cv::Size(160, 120)) << error;
+    const cv::Mat pixels = decode_mask(metadata(image, kMaskKey)).value();
+    ASSERT_EQ(pixels.size(), cv::Size(160, 120));
     EXPECT_EQ(cv::countNonZero(pixels.rowRange(0, 60)), 0);
     EXPECT_EQ(cv::countNonZero(pixels.rowRange(61, 120)), 160 * 59);
   }
   EXPECT_THAT(node_->status().detail, HasSubstr("1 rejected"));
   const testing::TemporaryFolder folder;
-  ASSERT_EQ(write_window_job(folder / "a.window", jobs_[0]), "");
-  const WindowJobFile read = read_window_job(folder / "a.window");
-  ASSERT_TRUE(read.ok()) << read.error;
-  EXPECT_EQ(metadata(read.job.images[0], kMaskKey), metadata(jobs_[0].images[0], kMaskKey));
+  ASSERT_EQ(write_window_job(folder / "a.window", jobs_[0]).error_text(), "");
+  const Result<WindowJobFile> read = read_window_job(folder / "a.window");
+  ASSERT_TRUE(read) << read.error_text();
+  EXPECT_EQ(metadata(read->job.images[0], kMaskKey), metadata(jobs_[0].images[0], kMaskKey));
 }
 
 TEST_F(RuminatorNodeTest, MemoryHoldsOnlyWhatMayBeNeeded) {
@@ -148,10 +147,9 @@ TEST_F(RuminatorNodeTest, RawImagesAreCompressedAndKeepTheirMetadata) {
   ASSERT_NE(kept, nullptr);
   EXPECT_EQ(kept->pixelformat, image_t::PIXEL_FORMAT_MJPEG);
   EXPECT_EQ(metadata(*kept, kCalibrationKey), "fx: 100");
-  std::string error;
-  const cv::Mat pixels = decode_grey(*kept, &error);
-  ASSERT_FALSE(pixels.empty()) << error;
-  const cv::Mat original = decode_grey(make_image(first, false), &error);
+  const cv::Mat pixels = decode_grey(*kept).value();
+  ASSERT_FALSE(pixels.empty());
+  const cv::Mat original = decode_grey(make_image(first, false)).value();
   EXPECT_LT(cv::norm(pixels, original, cv::NORM_L1) / static_cast<double>(pixels.total()), 8.0);
   for (int64_t t = first; t < now_; t += kPeriodUs)
     if (const image_t* image = node_->frames().find({t}))
@@ -206,7 +204,7 @@ TEST_F(RuminatorNodeTest, WithoutFrontTrackerMemoryStaysBounded) {
 }
 
 TEST_F(RuminatorNodeTest, BytesAreBounded) {
-  options_.ring_mb = 1;  // about 70 images
+  options_.ring_mb = 1;  // room for about 70 images
   start();
   for (int loss = 0; loss < 5; ++loss) {
     frames(60, 2 * loss + 1, 4);
@@ -216,7 +214,7 @@ TEST_F(RuminatorNodeTest, BytesAreBounded) {
   frames(60, 99, 4);
   ASSERT_EQ(jobs_.size(), 5);
   for (const WindowJob& job : jobs_) expect_images_of(job);
-  frames(800, kNoSubmap);  // a gap far larger than the memory
+  frames(800, kNoSubmap);  // a gap that needs far more memory
   EXPECT_LE(node_->frames().bytes(), 1'000'000);
   node_->finish();
   ASSERT_FALSE(jobs_.empty());
@@ -302,10 +300,10 @@ TEST_F(RuminatorNodeTest, NonsenseIsCountedAndHurtsNothing) {
   image_t broken = make_image(5, false);
   broken.width = -3;
   bus_.publish(channels::kCamera, broken);
-  image_t liar = make_image(6, false);  // says it is larger than it is
+  image_t liar = make_image(6, false);  // its height is not that of its data
   liar.height = 100000;
   bus_.publish(channels::kCamera, liar);
-  track_t poseless{};  // the quaternion is zero
+  track_t poseless{};  // its quaternion is zero
   poseless.utime = 7;
   poseless.state = track_t::TRACKING;
   poseless.submap_id = 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Small windows with images, and a builder that knows no COLMAP.
+// Small windows with images, and builders without COLMAP.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,16 +13,16 @@
 namespace rumi::testing {
 using namespace rumi::ruminator;
 
-// 160 x 120.
+// Returns a calibration for images of 160 x 120.
 Camera small_camera();
-// 4 + 5 + 3 frames, 0.1 s apart, every second one of those tracked a keyframe.
+// Returns a window of 4 + 5 + 3 frames, 0.1 s apart. Every second tracked frame is a keyframe.
 WindowJob small_job(int32_t id = 1, int64_t session = 7);
 
-// A consistent back submap with a keyframe for every image.
+// Returns a consistent back submap with a keyframe for each image.
 Submap fake_submap(const WindowJob& job);
-// What a builder would return that registers everything.
+// Returns the result of a builder that has a pose for all frames.
 BuildResult fake_result(const WindowJob& job);
-// Goes through the stages and succeeds; counts.
+// Returns a builder that reports all stages and succeeds. `built`, if given, counts its calls.
 Builder fake_builder(std::atomic<int>* built = nullptr);
 
 }  // namespace rumi::testing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Small models in COLMAP's files.
+// Makes the files of small COLMAP models.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pictures with known geometry.
+// Makes pictures of known geometry.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -18,7 +18,7 @@ inline Camera picture_camera() {
   return c;
 }
 
-// Blobs of all sizes.
+// Draws a grey picture of 1500 filled circles with radii of 2 to 12 pixels at random places.
 inline cv::Mat textured_picture(uint64_t seed, cv::Size size = {640, 480}) {
   cv::RNG random(seed);
   cv::Mat picture(size, CV_8U, cv::Scalar(128));
@@ -31,9 +31,9 @@ inline cv::Mat textured_picture(uint64_t seed, cv::Size size = {640, 480}) {
   return picture;
 }
 
-// What the camera sees of a plane at z = 2, 4.8 x 3.6 units large, with the picture on it.
+// Renders the camera's view of a plane at z = 2, which shows the picture at a size of 4.8 x 3.6 units.
 inline cv::Mat see_plane(const cv::Mat& picture, const Camera& camera, const SE3& cam_from_world) {
-  const double unit = picture.cols / 4.8;  // pixels of the picture
+  const double unit = picture.cols / 4.8;  // pixels of the picture per unit
   const Eigen::Matrix3d r = cam_from_world.rotation.toRotationMatrix();
   Eigen::Matrix3d camera_from_picture;
   camera_from_picture.col(0) = r.col(0) / unit;
@@ -51,7 +51,7 @@ inline cv::Mat see_plane(const cv::Mat& picture, const Camera& camera, const SE3
   return seen;
 }
 
-// Where the plane's point that the first camera has at `pixel` is in the second.
+// Maps `pixel` of the first camera to the second camera, through the point of the plane that it shows.
 inline Eigen::Vector2d over_the_plane(const Camera& camera, const SE3& first, const SE3& second,
                                       const Eigen::Vector2d& pixel) {
   const SE3 world_from_first = first.inverse();

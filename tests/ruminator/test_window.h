@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Keypoints and matches of a window with known truth.
+// Keypoints and matches of a window whose truth is known.
 #pragma once
 
 #include <cmath>
@@ -21,11 +21,12 @@ struct TestWindow {
   std::vector<SE3> cam_from_world;
   std::vector<Eigen::Vector3d> points;
   std::vector<WindowImage> images;
-  std::vector<std::vector<int>> point_of_keypoint;  // [image][keypoint], ascending
+  std::vector<std::vector<int>> point_of_keypoint;  // index of the point: [image][keypoint], ascending
   std::vector<ImagePair> pairs;
 };
 
-// Every point in sight of a camera is a keypoint; every two images with 30 of them in common are a pair.
+// Makes a keypoint of every point that a camera sees, and a pair of any two images that have at least 30 points in
+// common.
 inline TestWindow make_window(const std::vector<SE3>& cam_from_world, const std::vector<Eigen::Vector3d>& points,
                               double noise_px, unsigned seed = 1) {
   constexpr size_t kMinCommon = 30;
@@ -62,8 +63,8 @@ inline TestWindow make_window(const std::vector<SE3>& cam_from_world, const std:
   return w;
 }
 
-// Gives matches the wrong partner: `match_fraction` of each pair's, and all of `pair_fraction` of the pairs, which are
-// weak then, as wrong pairs are that pass for right ones.
+// Gives matches wrong partners: the share `match_fraction` of the matches of each pair. In the share `pair_fraction` of
+// the pairs it spoils all matches and leaves only a few, as in wrong pairs that pass the verification.
 inline void spoil(TestWindow* w, double match_fraction, double pair_fraction, unsigned seed = 2) {
   constexpr size_t kWeak = 25;
   SyntheticScene random(seed);
@@ -81,7 +82,7 @@ inline void spoil(TestWindow* w, double match_fraction, double pair_fraction, un
   }
 }
 
-// Sideways past a cloud.
+// Returns a path on which the camera moves sideways past a cloud of points.
 inline std::vector<SE3> sideways_path(int cameras, double step = 0.1) {
   std::vector<SE3> path;
   for (int i = 0; i < cameras; ++i) {
@@ -96,7 +97,7 @@ inline TestWindow sideways_window(int cameras, double noise_px = 0.7, int points
   return make_window(sideways_path(cameras), SyntheticScene(7).cloud(points), noise_px);
 }
 
-// A walk in the middle of a round room, the camera turning fast.
+// Makes a window in which the camera moves in the middle of a round room and turns fast.
 inline TestWindow turning_window(int cameras, double turn_deg_per_frame = 16, double noise_px = 0.7) {
   SyntheticScene random(3);
   std::vector<Eigen::Vector3d> points;
@@ -120,7 +121,7 @@ inline double path_length(const std::vector<SE3>& cam_from_world) {
   return length;
 }
 
-// The largest distance of a camera from its true place after alignment, over the length of the true path.
+// Returns the largest position error of a camera after alignment, over the length of the true path.
 inline double worst_center_error(const TestWindow& w, const SparseModel& model) {
   std::vector<Eigen::Vector3d> found, truth;
   for (const auto& [image, pose] : model.cam_from_world) {
@@ -134,7 +135,7 @@ inline double worst_center_error(const TestWindow& w, const SparseModel& model) 
   return worst / path_length(w.cam_from_world);
 }
 
-// The truth as a model: poses of all images, and the points that two of them see.
+// Returns the true model: the poses of all images, and the points that at least two of them see.
 inline SparseModel true_model(const TestWindow& w) {
   SparseModel model;
   model.fx = w.camera.fx;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A WindowSampler that is told of frames, and what came of it.
+// Feeds frames to a WindowSampler and collects the windows.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,12 +24,13 @@ inline std::vector<int64_t> keyframes(const std::vector<Sample>& samples) {
   return list;
 }
 
-// Poses that tell the frames apart.
+// Returns a different pose for each frame.
 inline SE3 pose_of(int64_t utime_us) {
   return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(static_cast<double>(utime_us), 0, 1)};
 }
 
-// Frames 1, 2, 3, ... (also their utime); 'span' frames in one state, every n-th a keyframe.
+// Feeds frames 1, 2, 3, ... (also their utime). span() feeds `frames` frames of one state, in which every n-th is a
+// keyframe.
 class WindowFeed {
  public:
   explicit WindowFeed(const WindowOptions& options = {}) : sampler(options) {}
@@ -47,7 +48,7 @@ class WindowFeed {
       if (ended) windows.push_back(*ended);
     }
   }
-  // front_tracker tells of a frame once more, which got its pose afterwards.
+  // Feeds a frame again, with a late pose.
   void late_pose(int64_t utime, int32_t submap, bool is_keyframe = false) {
     auto ended = sampler.process({.utime_us = utime,
                                   .session = session,
@@ -56,7 +57,7 @@ class WindowFeed {
                                   .is_keyframe = is_keyframe});
     EXPECT_FALSE(ended);
   }
-  // front_tracker tells of frames once more, whose poses it takes back.
+  // Feeds frames again, without their poses, which are withdrawn.
   void withdraw(int64_t first, int64_t last) {
     for (int64_t utime = first; utime <= last; ++utime)
       EXPECT_FALSE(sampler.process({.utime_us = utime, .session = session}));

@@ -10,9 +10,9 @@ SOURCE = pathlib.Path(sys.argv.pop(1))
 sys.path.insert(0, str(SOURCE / "scripts"))
 import house  # noqa: E402
 
-LONGEST_FUNCTION = 70  # lines; make it smaller when the longest has become shorter
-LONG_FUNCTIONS = 35
-MOST_LINES_OF_A_FILE = 450
+LONGEST_FUNCTION = 52  # lines; make it smaller when the longest has become shorter
+LONG_FUNCTIONS = 16
+MOST_LINES_OF_A_FILE = 440
 
 
 def run(*flags):

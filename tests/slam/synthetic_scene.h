@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Points and cameras with known truth, seen with noise and outliers, that the estimators are tested against.
+// Points and cameras with known truth, seen with noise and outliers, for tests of the estimators.
 #pragma once
 
 #include <cmath>
@@ -43,17 +43,18 @@ class SyntheticScene {
     const double x = n(rng_), y = n(rng_);
     return sigma_px * Eigen::Vector2d(x, y);
   }
-  // Points between 2 and 8 units before a camera at the origin, inside its view with room to move.
+  // Returns points 2 to 8 units in front of a camera at the origin, far enough inside its view that it may move a
+  // little.
   std::vector<Eigen::Vector3d> cloud(int count) {
     std::vector<Eigen::Vector3d> points;
     for (int i = 0; i < count; ++i) {
       const double z = uniform(2, 8);
-      const double y = z * uniform(-0.35, 0.35);  // in steps: compilers differ in which argument they make first
+      const double y = z * uniform(-0.35, 0.35);  // before x: compilers evaluate arguments in different orders
       points.emplace_back(z * uniform(-0.45, 0.45), y, z);
     }
     return points;
   }
-  // Points on a slanted plane.
+  // Returns points on a slanted plane.
   std::vector<Eigen::Vector3d> plane(int count) {
     std::vector<Eigen::Vector3d> points = cloud(count);
     for (Eigen::Vector3d& p : points) p *= 4.0 / (p.z() + 0.4 * p.x() + 0.2 * p.y());
@@ -69,7 +70,8 @@ class SyntheticScene {
   std::mt19937 rng_;
 };
 
-// A keypoint on an edge that runs in the direction `along_rad`: off by sigma across it and by many times that along it.
+// The whitening and the error of a keypoint on an edge. The error's standard deviation is sigma_px across the edge, and
+// `ratio` times as much along it (direction `along_rad`).
 struct EdgeNoise {
   Eigen::Matrix2d whitening;
   Eigen::Vector2d error;

@@ -12,7 +12,7 @@
 
 namespace rumi::testing {
 
-// What is logged while it lives, at this level and above, instead of where it goes otherwise.
+// Captures what is logged while an object lives, at this level and above. It does not appear elsewhere.
 class CapturedLog {
  public:
   explicit CapturedLog(spdlog::level::level_enum level = spdlog::level::info) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A bad network without the kernel's help (LD_PRELOAD): datagrams that a program sends are lost, sent twice, or held back
-// until after the next one, by chance from a seed. RUMI_LOSSY="LOSS DUPLICATE REORDER SEED", the first three in per cent.
-// At its end the program says on stderr how many there were of each.
+// Plays a bad network without the kernel's help (LD_PRELOAD): datagrams that a program sends are lost, sent twice, or
+// held back until after the next one, at random from a seed. RUMI_LOSSY="LOSS DUPLICATE REORDER SEED", the first three
+// in per cent. At its end the program says on stderr how many datagrams there were of each kind.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -21,7 +21,7 @@ static double loss, duplicate, reorder;
 static uint64_t state;
 static long sent, lost, doubled, reordered;
 
-// The one that is held back.
+// The datagram that is held back.
 static struct {
   char data[65536];
   size_t size;
@@ -33,9 +33,9 @@ static struct {
 __attribute__((constructor)) static void begin(void) {
   unsigned long seed = 1;
   const char* text = getenv("RUMI_LOSSY");
-  *(void**)&real_sendmsg = dlsym(RTLD_NEXT, "sendmsg");  // as POSIX has it: ISO C knows no such cast
+  *(void**)&real_sendmsg = dlsym(RTLD_NEXT, "sendmsg");  // the cast that POSIX prescribes: ISO C has none for this
   if (text) sscanf(text, "%lf %lf %lf %lu", &loss, &duplicate, &reorder, &seed);
-  // Each program has numbers of its own, the same in each run.
+  // Each program draws numbers of its own, which are the same in each run.
   state = seed * 0x9E3779B97F4A7C15u + 1;
   for (const char* c = program_invocation_short_name; *c; ++c) state = (state ^ (uint64_t)*c) * 0x100000001B3u;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Permissions do not bind root, who often runs tests: they are tried as somebody else then.
+// Runs tests of permissions as another user: root, who often runs tests, is not bound by permissions.
 #pragma once
 
 #include <sys/wait.h>
@@ -10,7 +10,7 @@
 
 namespace rumi::testing {
 
-// What `work` returns in a child of this process that is not root's.
+// Returns what `work` returns in a child process that does not run as root.
 inline std::string as_ordinary_user(const std::function<std::string()>& work) {
   constexpr unsigned kNobody = 65534;
   int ends[2];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// For what threads and other processes take their own time over. How long that was is never asserted: who gives up
-// here has met an error, not a busy machine.
+// Waits for threads and other processes, which take their own time. How long they take is never asserted: if a wait
+// ends without success, there is an error, and not merely a busy machine.
 #pragma once
 
 #include <chrono>
@@ -11,7 +11,7 @@ namespace rumi::testing {
 
 inline constexpr std::chrono::minutes kPatience{1};
 
-// Looks every now and then, and does something in between if asked to. False if it never happens.
+// Waits until the condition is true; calls `meanwhile` in between. Returns false if it never is within kPatience.
 inline bool happens(
     const std::function<bool()>& condition, const std::function<void()>& meanwhile = [] {}) {
   const auto end = std::chrono::steady_clock::now() + kPatience;

@@ -10,7 +10,7 @@
 
 namespace rumi::testing {
 
-// A process whose parent has died may stay a zombie where nobody collects it: that counts as ended.
+// False also for a zombie: a process whose parent has died may stay one if nobody collects it.
 inline bool is_running(pid_t pid) {
   const std::string stat = read_file("/proc/" + std::to_string(pid) + "/stat");
   const size_t name_end = stat.rfind(") ");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files for tests, and a disk that is soon full.
+// Makes files for tests, and a file system that is soon full.
 #pragma once
 
 #include <fcntl.h>
@@ -27,7 +27,7 @@ inline std::string read_file(const std::string& file) {
   return text.str();
 }
 
-// The folders in which it is to lie are made.
+// Writes a file, and makes the folders in which it lies.
 inline void write_file(const std::filesystem::path& file, const std::string& text) {
   std::filesystem::create_directories(file.parent_path());
   std::ofstream(file, std::ios::binary) << text;
@@ -48,7 +48,7 @@ class TemporaryFolder {
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
   std::string operator/(const std::string& name) const { return (path_ / name).string(); }
   const std::filesystem::path& path() const { return path_; }
-  // A file of the folder, and its whole name.
+  // Writes a file in the folder. Returns its whole name.
   std::string write(const std::string& name, const std::string& text) const {
     write_file(*this / name, text);
     return *this / name;
@@ -79,8 +79,8 @@ inline bool mount_small_disk(const std::string& folder, int64_t bytes) {
 
 }  // namespace internal
 
-// Runs `body` in a child process that has a file system of `bytes` of its own mounted on `folder` (and may remount it).
-// Returns what the body returns (0..99), or -1 where the system does not let us.
+// Runs `body` in a child process in which a file system of `bytes` is mounted on `folder` (`body` may remount it).
+// Returns what `body` returns (0..99), or -1 if the system does not allow that.
 inline int run_on_small_disk(const std::string& folder, int64_t bytes, const std::function<int()>& body) {
   const pid_t child = fork();
   if (child == 0) {

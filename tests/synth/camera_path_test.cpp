@@ -16,12 +16,7 @@ using ::testing::HasSubstr;
 
 std::string error_of(const std::string& text) {
   const testing::TemporaryFolder folder;
-  try {
-    CameraPath::load(folder.write("path.txt", text));
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return "";
+  return CameraPath::load(folder.write("path.txt", text)).error_text();
 }
 
 TEST(CameraPath, ErrorsNameFileLineAndValue) {
@@ -34,7 +29,8 @@ TEST(CameraPath, ErrorsNameFileLineAndValue) {
   EXPECT_THAT(error_of(good + good), HasSubstr("does not rise"));
   EXPECT_THAT(error_of(good), HasSubstr("fewer than two"));
   EXPECT_THAT(error_of(""), HasSubstr("fewer than two"));
-  EXPECT_THROW(CameraPath::load("/nowhere/path.txt"), std::runtime_error);
+  EXPECT_EQ(CameraPath::load("/nowhere/path.txt").error_text(),
+            "/nowhere/path.txt: cannot be opened; give a TUM trajectory file");
 }
 
 TEST(CameraPath, PassesThroughItsSamplesAndIsSmooth) {
@@ -48,7 +44,7 @@ TEST(CameraPath, PassesThroughItsSamplesAndIsSmooth) {
                         p.translation.y(), p.translation.z(), p.rotation.x(), p.rotation.y(), p.rotation.z(),
                         p.rotation.w());
   }
-  const CameraPath sampled = CameraPath::load(folder.write("p.txt", text));
+  const CameraPath sampled = CameraPath::load(folder.write("p.txt", text)).value();
   for (int i = 0; i < 39; ++i) {
     const double t = path.times_s().front() + 0.1 * i;
     EXPECT_LT((sampled.at(t).translation - path.at(t).translation).norm(), 1e-9);
@@ -69,13 +65,13 @@ TEST(CameraPath, WalkIsClosedAndStartsSideways) {
 TEST(CameraPath, UpIsTheAxisNearby) {
   EXPECT_LT((CameraPath::walk(20, 1).up() - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
   const testing::TemporaryFolder folder;
-  // ICL-NUIM's way: the map's y points down, like the camera's.
+  // In maps of ICL-NUIM, y points down, like the camera's.
   const std::string file = folder.write("icl.txt", "1 0 0 0 0.1 0 0 0.995\n2 0 0 1 0.1 0 0 0.995\n");
-  EXPECT_LT((CameraPath::load(file).up() + Eigen::Vector3d::UnitY()).norm(), 1e-12);
+  EXPECT_LT((CameraPath::load(file)->up() + Eigen::Vector3d::UnitY()).norm(), 1e-12);
 }
 
-// Recordings and figures hang on what a seed renders. Everything random of a room is drawn from one stream: a change
-// anywhere in it moves vertices.
+// Recordings and figures depend on what a seed renders. Everything random in a room is drawn from one sequence of
+// numbers, so a change anywhere moves vertices.
 TEST(Room, OfASeedStaysTheSame) {
   const CameraPath path = CameraPath::walk(20, 1);
   const Eigen::Vector3d at = path.at(path.times_s().front() + 7.3).translation;
@@ -88,12 +84,12 @@ TEST(Room, OfASeedStaysTheSame) {
   EXPECT_NEAR(sum_m, 23526.25, 0.5);
 }
 
-// Of any real path if there are some, else of the own walks.
+// The path of a real recording is tested, too, if it is there.
 TEST(Room, HoldsThePathAndKeepsFurnitureAway) {
   const char* dir = std::getenv("RUMI_DATA_DIR");
   std::vector<CameraPath> paths{CameraPath::walk(20, 1), CameraPath::walk(8, 2)};
   if (dir && std::filesystem::exists(std::string(dir) + "/trajectories/fr1_room.txt"))
-    paths.push_back(CameraPath::load(std::string(dir) + "/trajectories/fr1_room.txt"));
+    paths.push_back(CameraPath::load(std::string(dir) + "/trajectories/fr1_room.txt").value());
   for (const CameraPath& path : paths) {
     const RoomShape shape = fit_room(path, 5);
     const Mesh mesh = build_room(shape, 5, 60);
@@ -103,7 +99,7 @@ TEST(Room, HoldsThePathAndKeepsFurnitureAway) {
       EXPECT_TRUE(((p - shape.low).array() > 0.99).all() && ((shape.high - p).array() > 0.99).all());
       for (const Vertex& v : mesh.vertices)
         nearest = std::min(nearest, (Eigen::Vector3f(v.position).cast<double>() - p).norm());
-      // Only a few of the positions, for the test's speed.
+      // A part of the positions is enough, and faster.
       if (&p - shape.path.data() > 40) break;
     }
     EXPECT_GT(nearest, 0.45);

@@ -10,9 +10,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFloor_m = -0.2;  // below the lowest that a floor can be: the camera is 1.2 m and more above it
+constexpr double kFloor_m = -0.2;  // lower than any floor: the camera is at least 1.2 m above the floor
 
-// Whether any part of the doorway's opening would be in the image, if nothing stood before it.
+// True if any part of the doorway's opening would be in the image if nothing stood before it.
 bool sees_the_doorway(const SE3& map_from_cam, const Doorway& door, const Camera& camera) {
   const SE3 cam_from_map = map_from_cam.inverse();
   constexpr double kMargin_px = 5;
@@ -71,7 +71,6 @@ TEST(NextRoomWalk, GoesThroughTheDoorwayAndTouchesNothing) {
   }
 }
 
-// A building of two rooms has things and walls in both of them.
 TEST(NextRoomWalk, BothRoomsAreFurnished) {
   const Walk walk = walk_to_next_room(22, 1);
   const RoomShape shape = fit_room(walk.path, 1, walk.doorway);

@@ -70,7 +70,7 @@ SynthOptions along(const testing::TemporaryFolder& folder, const std::string& po
 
 Eigen::Vector2d eigen(cv::Point2f p) { return {p.x, p.y}; }
 
-// The whole chain of conventions at once: pose direction, quaternion order, axes, pixel centres, distortion.
+// Tests all conventions at once: direction of poses, order of quaternions, axes, pixel centres, distortion.
 TEST(Truth, RotationMovesThePictureAsPredicted) {
   const testing::TemporaryFolder folder;
   SequenceRenderer renderer(
@@ -100,7 +100,7 @@ TEST(Truth, TranslationKeepsToTheEpipolarLinesAndDepthsArePositive) {
     const Eigen::Vector3d ray_a = camera.unproject(eigen(a)), ray_b = camera.unproject(eigen(b));
     const Eigen::Vector3d line = essential * ray_a;
     errors.push_back(camera.fx * std::abs(line.dot(ray_b)) / line.head<2>().norm());
-    // Least squares for the depths along the two rays: depth_b ray_b - depth_a R ray_a = t.
+    // Solves for the depths along the two rays by least squares: depth_b ray_b - depth_a R ray_a = t.
     Eigen::Matrix<double, 3, 2> m;
     m << ray_b, -(b_from_a.rotation * ray_a);
     const Eigen::Vector2d depths = m.colPivHouseholderQr().solve(b_from_a.translation);
@@ -161,7 +161,7 @@ TEST(Sequence, TheWalkIntoTheNextRoomBringsItsHardPassage) {
   EXPECT_GT(dark, 12) << "not too dark for SIFT";
   EXPECT_GT(corners(renderer.render(80)), 150);
   EXPECT_LT(corners(renderer.render(100)), 0.2 * corners(renderer.render(80)));
-  // Part of it: the passage comes at the same place of the path.
+  // In a part of the sequence, the passage comes at the same place of the path.
   options.start_s = 9;
   options.duration_s = 2;
   SequenceRenderer part(options);
@@ -173,7 +173,7 @@ TEST(Sequence, OptionErrorsNameTheField) {
   const auto error = [](auto change) {
     SynthOptions options = small_options();
     change(options);
-    return options.check();
+    return options.check().error_text();
   };
   EXPECT_EQ(error([](SynthOptions&) {}), "");
   EXPECT_THAT(error([](SynthOptions& o) { o.seconds = -1; }), HasSubstr("seconds is -1"));
@@ -189,16 +189,12 @@ TEST(Sequence, OptionErrorsNameTheField) {
   absurd.camera.k1 = 40;
   absurd.camera.k2 = -900;
   EXPECT_THROW(SequenceRenderer{absurd}, std::runtime_error);
-  Kind kind;
-  EXPECT_EQ(parse_hard_kind("dark", &kind), "");
-  EXPECT_EQ(kind, Kind::kDark);
-  EXPECT_THAT(parse_hard_kind("fog", &kind), HasSubstr("fog"));
+  EXPECT_EQ(parse_hard_kind("dark"), Kind::kDark);
+  EXPECT_THAT(parse_hard_kind("fog").error_text(), HasSubstr("fog"));
   EXPECT_THAT(error([](SynthOptions& o) { o.hard = {{Kind::kBlur, 1, 1, 1.5}}; }), HasSubstr("strength is 1.5"));
   EXPECT_THAT(error([](SynthOptions& o) { o.walk = WalkKind::kNextRoom; }), HasSubstr("seconds of the walk next-room"));
-  WalkKind walk;
-  EXPECT_EQ(parse_walk_kind("next-room", &walk), "");
-  EXPECT_EQ(walk, WalkKind::kNextRoom);
-  EXPECT_THAT(parse_walk_kind("moon", &walk), HasSubstr("moon"));
+  EXPECT_EQ(parse_walk_kind("next-room"), WalkKind::kNextRoom);
+  EXPECT_THAT(parse_walk_kind("moon").error_text(), HasSubstr("moon"));
 }
 
 TEST(WriteSequence, MakesATumFolder) {
@@ -208,9 +204,9 @@ TEST(WriteSequence, MakesATumFolder) {
   options.camera.k1 = -0.1;
   int calls = 0;
   const auto progress = [&](int, int) { return ++calls > 0; };
-  ASSERT_EQ(write_sequence(options, folder / "out", false, progress), "");
+  ASSERT_EQ(write_sequence(options, folder / "out", false, progress).error_text(), "");
   EXPECT_EQ(calls, 5);
-  EXPECT_THAT(write_sequence(options, folder / "out", false, progress), HasSubstr("--overwrite"));
+  EXPECT_THAT(write_sequence(options, folder / "out", false, progress).error_text(), HasSubstr("--overwrite"));
   std::ifstream list(folder / "out/rgb.txt"), truth(folder / "out/groundtruth.txt");
   std::string line;
   std::getline(list, line);
@@ -222,9 +218,9 @@ TEST(WriteSequence, MakesATumFolder) {
     EXPECT_EQ(image.size(), cv::Size(320, 240));
     EXPECT_EQ(image.channels(), 1);
   }
-  const CameraFileResult camera = read_camera_file(folder / "out/calibration.yaml");
-  ASSERT_TRUE(camera.ok()) << camera.error;
-  EXPECT_EQ(camera.camera.k1, -0.1);
+  const Result<CameraFile> camera = read_camera_file(folder / "out/calibration.yaml");
+  ASSERT_TRUE(camera.has_value()) << camera.error_text();
+  EXPECT_EQ(camera->camera.k1, -0.1);
   int poses = 0;
   while (std::getline(truth, line)) poses += line[0] != '#';
   EXPECT_EQ(poses, 5);
@@ -233,10 +229,10 @@ TEST(WriteSequence, MakesATumFolder) {
 TEST(WriteSequence, SaysWhatCannotBeWritten) {
   SynthOptions options = small_options();
   options.seconds = 0.5;
-  EXPECT_THAT(write_sequence(options, "/proc/nothing/here", false, {}), HasSubstr("/proc/nothing"));
+  EXPECT_THAT(write_sequence(options, "/proc/nothing/here", false, {}).error_text(), HasSubstr("/proc/nothing"));
   const testing::TemporaryFolder folder;
-  EXPECT_EQ(write_sequence(options, folder.path(), false, [](int, int) { return false; }), "stopped");
-  EXPECT_FALSE(std::filesystem::exists(folder / "rgb.txt"));  // an unfinished folder does not look finished
+  EXPECT_EQ(write_sequence(options, folder.path(), false, [](int, int) { return false; }).error_text(), "stopped");
+  EXPECT_FALSE(std::filesystem::exists(folder / "rgb.txt"));  // an unfinished folder must not look finished
 }
 
 }  // namespace

@@ -10,8 +10,8 @@
 
 namespace rumi::viewer_offscreen {
 
-// A submap of a camera that moves along `path` (seconds -> position) and looks along the path's circle outwards, with
-// landmarks scattered around it. 30 frames a second, every tenth a keyframe.
+// Returns a submap of a camera that moves along `path` (seconds -> position) and looks away from the origin, with
+// landmarks scattered around what it sees. It takes 30 frames a second; every tenth is a keyframe.
 inline Submap make_test_submap(int id, double begin_s, double end_s, const std::function<Eigen::Vector3d(double)>& path,
                                int landmarks) {
   Submap submap;

@@ -11,6 +11,7 @@
 
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "tests/support/temporary_folder.h"
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 
 Eigen::Vector3d test_line(double t) { return {0.3, 0.2 * t, 0}; }
 
-// Plays map_server with one submap, which lies as a line in the map once it is placed.
+// Plays map_server with one submap, whose path in the map is a line once it is placed.
 class ViewerNodeTest : public ::testing::Test {
  protected:
   ViewerNodeTest() : sender_(bus_, channels::kMapChunk, channels::kMapAck, "server") {
@@ -95,12 +96,10 @@ class ViewerNodeTest : public ::testing::Test {
 };
 
 int colour_pixels(const image_t& message, const cv::Vec3b& rgb) {
-  std::string error;
-  const cv::Mat picture = decode_bgr(message, &error);
-  EXPECT_EQ(error, "");
+  const cv::Mat picture = decode_bgr(message).value();
   cv::Mat mask;
   const cv::Scalar bgr(rgb[2], rgb[1], rgb[0]);
-  cv::inRange(picture, bgr - cv::Scalar::all(30), bgr + cv::Scalar::all(30), mask);  // JPEG
+  cv::inRange(picture, bgr - cv::Scalar::all(30), bgr + cv::Scalar::all(30), mask);  // JPEG changes colours a little
   return cv::countNonZero(mask);
 }
 
@@ -114,20 +113,20 @@ TEST_F(ViewerNodeTest, FetchesTheSubmapAndDrawsIt) {
   EXPECT_GT(colour_pixels(images_.back(), submap_color(SubmapKind::kFront, 0)), 300);
   EXPECT_TRUE(fs::exists(folder_ + "/trajectory.png"));
   EXPECT_FALSE(node.status().degraded);
-  // Only what is new is asked for, and nothing when there is nothing new.
+  // Only new elements are requested, and nothing if nothing is new.
   const size_t asked = requests_.size();
   publish_status();
   run(node, 3);
   EXPECT_EQ(requests_.size(), asked);
   ++submap_.revision;
-  submap_.touch(submap_.landmarks[0]);
+  submap_.landmarks[0].revision = submap_.revision;
   publish_status();
   run(node, 3);
   ASSERT_EQ(requests_.size(), asked + 1);
   EXPECT_EQ(requests_.back().base_revision, 1);
 }
 
-// The map is larger than a page: the others come with later ones.
+// The map has more than one page, and each status brings one.
 TEST_F(ViewerNodeTest, TheLastPictureWaitsForAllPages) {
   ViewerNode node(bus_, options_);
   in_all_ = 2;
@@ -160,7 +159,8 @@ TEST_F(ViewerNodeTest, APlacedSubmapIsFetchedWholeWhenItMovesOrGrows) {
   publish_status();
   run(node, 3);
   EXPECT_EQ(requests_.size(), 2u);
-  // It grows with every status, ten in three seconds: fetched at the pace of the pictures, one a second.
+  // The submap grows with each status, ten times in three seconds. It is fetched as often as pictures are drawn, once a
+  // second.
   for (int i = 0; i < 10; ++i) {
     ++submap_.revision, ++placed_.revision;
     publish_status();
@@ -168,7 +168,7 @@ TEST_F(ViewerNodeTest, APlacedSubmapIsFetchedWholeWhenItMovesOrGrows) {
   }
   EXPECT_GE(requests_.size(), 4u);
   EXPECT_LE(requests_.size(), 6u);
-  // No more part of a placed map: in its own gauge again, from the start.
+  // If it is no longer part of a placed map, it is fetched in its own gauge again, from the start.
   placement_revision_ = 0;
   publish_status();
   run(node, 3);
@@ -183,7 +183,7 @@ TEST_F(ViewerNodeTest, WhatChangesBetweenTwoPicturesTravelsOnce) {
   publish_tracks();
   for (int i = 0; i < 50; ++i) {
     ++submap_.revision;
-    submap_.touch(submap_.landmarks[0]);
+    submap_.landmarks[0].revision = submap_.revision;
     publish_status();
     run(node, 0.4);
   }
@@ -248,7 +248,7 @@ TEST_F(ViewerNodeTest, LinksOfTheStatusAreDrawnAndNonsenseIsSurvived) {
   link_t link{};
   link.session_a = link.session_b = 1;
   link.submap_a = 1;
-  link.submap_b = 77;  // there is none
+  link.submap_b = 77;  // a submap that does not exist
   link.kind = 99;
   link.accepted = true;
   map_status_t status{};
@@ -299,10 +299,10 @@ TEST_F(ViewerNodeTest, ShowsTheLatestKeyframesImageWithItsKeypoints) {
   ASSERT_GE(images_.size(), 1u);
   EXPECT_GT(colour_pixels(images_.back(), {240, 160, 40}), 50'000);
   const cv::Rect room = layout_all(true).camera;
-  const cv::Mat picture = decode_bgr(images_.back(), nullptr);
+  const cv::Mat picture = decode_bgr(images_.back()).value();
   const cv::Vec3b mark = picture.at<cv::Vec3b>(room.y + room.height / 2, room.x + room.width / 2);
-  EXPECT_LT(mark[2], 120);  // no orange there
-  // Much later it is too old to be shown, and what is latest cannot be decoded: no image.
+  EXPECT_LT(mark[2], 120);  // the mark covers the orange image
+  // Much later, the keyframe's image is too old to be shown, and the latest image cannot be decoded: no image is shown.
   image_t later = broken;
   later.utime += 10'000'000;
   bus_.publish(channels::kCamera, later);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The colours of the pictures, R, G, B: distinguishable with any colour vision (after Okabe and Ito). What matters
-// differs in lightness or shape too.
+// The colours of the pictures (R, G, B). They can be told apart with any colour vision (after Okabe and Ito). What
+// matters also differs in lightness or shape.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -9,7 +9,8 @@
 
 namespace rumi::viewer_offscreen {
 
-// Front submaps are cool, back submaps warm; `number` counts those of a kind.
+// Returns the colour of a submap: cool for front submaps, warm for back submaps. `number` is its number among those of
+// its kind.
 inline cv::Vec3b submap_color(SubmapKind kind, int number) {
   static const cv::Vec3b kFront[] = {{0, 114, 178}, {0, 158, 115}, {86, 180, 233}, {150, 95, 170}};
   static const cv::Vec3b kBack[] = {{213, 94, 0}, {230, 159, 0}};

@@ -11,7 +11,7 @@
 namespace rumi::viewer_offscreen {
 namespace {
 
-constexpr size_t kBatch = 600'000;  // corners sent to OpenGL at once
+constexpr size_t kBatch = 600'000;  // corners sent to OpenGL at once, at most
 
 const char* const kVertexShader = R"(#version 330 core
 layout(location = 0) in vec2 position;
@@ -25,7 +25,7 @@ void main() {
   f_ink = ink;
 })";
 
-// The edge is spread over one pixel.
+// Spreads the edge of a shape over one pixel.
 const char* const kFragmentShader = R"(#version 330 core
 in vec3 f_shape;
 flat in vec4 f_ink;

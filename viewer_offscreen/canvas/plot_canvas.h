@@ -19,12 +19,12 @@ struct Ink {
 
 class PlotCanvas {
  public:
-  static constexpr int kScale = 2;  // supersampling
+  static constexpr int kScale = 2;  // factor by which the drawing is larger than the canvas
 
   PlotCanvas(int width, int height);
 
   void clear(const cv::Vec3b& rgb);
-  // Only what lies within is drawn from now on.
+  // From now on, draws only within this rectangle.
   void clip(const cv::Rect& panel);
   void unclip();
   void disc(cv::Point2d center, double radius, const Ink& ink);
@@ -32,18 +32,19 @@ class PlotCanvas {
   void dashed(cv::Point2d a, cv::Point2d b, double width, double dash, const Ink& ink);
   void rectangle(const cv::Rect2d& area, const Ink& ink);
   void triangle(cv::Point2d a, cv::Point2d b, cv::Point2d c, const Ink& ink);
-  // Points in space, kept until the next call.
+  // Loads points in space. They stay until the next call.
   void set_points(const std::vector<Eigen::Vector3f>& points);
-  // Of `count` of them from `first` every `step`th, squares of `size` pixels, where the projection puts them.
+  // Draws squares of `size` pixels at the projections of loaded points: of `count` points from `first` on, every
+  // `step`th.
   void points(size_t first, size_t count, size_t step, const Projection& project, double size, const Ink& ink);
-  // kScale times as large as the canvas, BGR.
+  // Returns the picture, BGR, kScale times as large as the canvas.
   cv::Mat read();
 
  private:
   struct Corner {
     float x, y;        // clip coordinates
     float u, v;        // 1 at the shape's edge
-    float half_width;  // pixels from the middle to the edge
+    float half_width;  // from the shape's middle to its edge, in pixels of the enlarged picture
     uint8_t rgba[4];
   };
   void corner(cv::Point2d at, float u, float v, double half_width, const Ink& ink);

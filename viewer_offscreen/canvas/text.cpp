@@ -9,7 +9,7 @@
 namespace rumi::viewer_offscreen {
 namespace {
 
-constexpr double kCapitalHeight_px = 21;  // of the Hershey font at scale 1
+constexpr double kCapitalHeight_px = 21;  // height of a capital letter of the Hershey font at scale 1
 
 double font_scale(const TextStyle& style) { return PlotCanvas::kScale * style.height_px / kCapitalHeight_px; }
 int thickness(const TextStyle& style) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// EGL_MESA_platform_surfaceless, EGL_KHR_surfaceless_context, EGL_KHR_no_config_context.
+// Uses EGL_MESA_platform_surfaceless, EGL_KHR_surfaceless_context and EGL_KHR_no_config_context.
 #define EGL_NO_X11
 #include <EGL/egl.h>
 #include <EGL/eglext.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The functions of OpenGL 3.3 core that are used here, as pointers from the platform that gives the context. No OpenGL
-// library is linked, so that a program runs with whichever library the machine has. Call them after
+// The functions of OpenGL 3.3 core that are used here, as pointers from the platform that provides the context. No
+// OpenGL library is linked, so that a program runs with whichever library the machine has. They may be called after
 // OffscreenContext::make_current().
 #pragma once
 

@@ -20,7 +20,7 @@ namespace rumi::viewer_offscreen {
 RUMI_GL_FUNCTIONS(RUMI_DEFINE)
 #undef RUMI_DEFINE
 
-// Everything is drawn into framebuffer objects, which can be multisampled.
+// All drawing goes into framebuffer objects of our own, because these can be multisampled.
 struct OffscreenContext::Handle {
   std::unique_ptr<GlPlatform> platform;
   GLuint draw = 0, resolved = 0;
@@ -29,8 +29,9 @@ struct OffscreenContext::Handle {
 
 namespace {
 
-// Mesa's llvmpipe waits for ever for a thread that it cannot have (a limit of processes, or of memory). Without any it
-// draws the same, and pictures of our size as fast. Whoever has set the variable knows why.
+// Lets Mesa's llvmpipe draw without threads. If it cannot have a thread (a limit of processes or of memory), it waits
+// for it for ever. Without threads it draws the same, and pictures of our size as fast. A value that the user has set
+// stays.
 void draw_without_threads() {
   static const int once = setenv("LP_NUM_THREADS", "0", /*overwrite=*/0);
   (void)once;
@@ -51,7 +52,7 @@ bool can_have_threads(int count) {
   return all;
 }
 
-// OpenCV, with which a picture is made ready, throws in the same plight.
+// Lets OpenCV work without threads if it could not start its own: it would throw while it prepares a picture.
 void spare_threads_of_opencv() {
   static const bool can = can_have_threads(cv::getNumThreads());
   if (!can) cv::setNumThreads(1);
@@ -76,7 +77,7 @@ std::unique_ptr<GlPlatform> open_platform() {
   throw std::runtime_error("no OpenGL: " + reasons);
 }
 
-// The pointers come from the platform that was current last.
+// Loads the function pointers from the platform, whose context is current.
 void load_functions(const GlPlatform& platform) {
   static std::string loaded_from;
   if (loaded_from == platform.name()) return;
@@ -91,7 +92,7 @@ void load_functions(const GlPlatform& platform) {
 
 void check_complete() {
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
-  // Of a buffer that was just asked for.
+  // An incomplete attachment is a buffer that was requested just now and not allocated.
   if (status == GL_FRAMEBUFFER_INCOMPLETE_ATTACHMENT)
     throw std::runtime_error("OpenGL gives no image to draw into: " + no_memory_text());
   if (status != GL_FRAMEBUFFER_COMPLETE)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// OpenGL 3.3 core without a window or display server: by OSMesa, or where there is none by EGL (gl_platform.h). The
-// environment variable RUMI_OPENGL=osmesa or egl chooses.
+// An OpenGL 3.3 core context without a window or display server, from OSMesa, or from EGL if there is no OSMesa
+// (gl_platform.h). The environment variable RUMI_OPENGL (osmesa or egl) chooses one.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,8 @@ namespace rumi::viewer_offscreen {
 
 class OffscreenContext {
  public:
-  // Draws into a colour and depth image of its own. samples: 0 or 4 (multisampling). Throws std::runtime_error with the
-  // reason if there is no OpenGL.
+  // Draws into a colour and depth image of its own. `samples`: 0, or 4 for multisampling. Throws std::runtime_error
+  // with the reason if there is no OpenGL.
   OffscreenContext(int width, int height, int samples);
   ~OffscreenContext();
   OffscreenContext(const OffscreenContext&) = delete;
@@ -20,8 +20,8 @@ class OffscreenContext {
 
   // Must be called before any OpenGL call; several contexts may take turns on one thread.
   void make_current();
-  // What was drawn, RGBA 8 bit. Row 0 is the window row y = 0: draw upside down (positive clip y downwards) to get an
-  // image whose first row is its top.
+  // Reads what was drawn, as RGBA of 8 bits. Row 0 is the window's row y = 0: to get an image whose first row is its
+  // top, draw upside down (positive clip y is downwards).
   void read(cv::Mat* rgba);
 
   std::string platform() const;  // "osmesa" or "egl"
@@ -34,7 +34,7 @@ class OffscreenContext {
   int width_, height_;
 };
 
-// A linked program, or std::runtime_error with the compiler's log. The context must be current.
+// Returns a linked program. Throws std::runtime_error with the compiler's log. The context must be current.
 unsigned compile_program(const std::string& vertex_shader, const std::string& fragment_shader);
 
 }  // namespace rumi::viewer_offscreen

@@ -12,7 +12,7 @@
 namespace rumi::viewer_offscreen {
 namespace {
 
-// These constants are from GL/osmesa.h, which newer systems do not have.
+// The constants of GL/osmesa.h, which newer systems do not have.
 constexpr int kFormat = 0x22, kDepthBits = 0x30, kProfile = 0x33, kCoreProfile = 0x34, kMajorVersion = 0x36,
               kMinorVersion = 0x37;
 using Context = struct osmesa_context*;
@@ -23,8 +23,8 @@ using GetProcAddress = GlPlatform::Function (*)(const char* name);
 
 constexpr const char* kLibrary = "libOSMesa.so.8";
 
-// It may be there and not fit into the memory, or lack another library: only the loader knows, and tells in words of
-// the last one that it was asked for.
+// Returns why the library cannot be loaded. It may exist but not fit into the memory, or lack another library. Only the
+// loader knows, and its message is about the last library that it tried: so it tries again.
 std::string why_not_loaded() {
   void* const again = dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL);
   const char* said = again ? nullptr : dlerror();
@@ -38,7 +38,7 @@ std::string why_not_loaded() {
 class Osmesa : public GlPlatform {
  public:
   Osmesa() {
-    // Never unloaded: its renderer leaves threads and thread-local data behind.
+    // The library is never unloaded, because its renderer leaves threads and thread-local data behind.
     for (const char* name : {kLibrary, "libOSMesa.so.6"})
       if (!library_) library_ = dlopen(name, RTLD_NOW | RTLD_LOCAL);
     if (!library_) throw std::runtime_error(why_not_loaded());

@@ -12,8 +12,8 @@ void FrameNotes::take(const track_t& track) {
   if (at == notes_.end() || at->utime_us != track.utime)
     notes_.insert(at, note);
   else if (track.submap_id == kNoSubmap)
-    *at = note;  // its pose was withdrawn; of one that got it afterwards the first time counts
-  // Now and then many at once: each time all others move.
+    *at = note;  // its pose was withdrawn; a pose that it only got afterwards does not change its note
+  // Removes many at a time, because each removal moves all notes that follow.
   if (notes_.size() > most_ && notes_.size() - most_ > most_ / 8)
     notes_.erase(notes_.begin(), notes_.end() - static_cast<ptrdiff_t>(most_));
 }

@@ -10,12 +10,12 @@
 
 namespace rumi::viewer_offscreen {
 
-// What became of the frames, as front_tracker told it.
+// Keeps what front_tracker reported on the frames.
 class FrameNotes {
  public:
-  // most: how many of the latest frames are kept.
+  // `most`: how many of the latest frames are kept, about.
   explicit FrameNotes(size_t most = SIZE_MAX) : most_(most) {}
-  // A frame that is told of again keeps what was said first, unless its pose was withdrawn.
+  // If a frame is reported twice, the first report counts, unless the second withdraws its pose.
   void take(const track_t& track);
   const std::vector<FrameNote>& by_time() const { return notes_; }
 

@@ -7,13 +7,14 @@
 #include "base/running/due.h"
 #include "base/running/log.h"
 #include "base/running/stage_clock.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 
 namespace rumi::viewer_offscreen {
 namespace {
 
-constexpr int64_t kAskAgainUs = 2'000'000;  // a request without an answer is repeated
+constexpr int64_t kAskAgainUs = 2'000'000;  // time after which a request without an answer is repeated
 
 }  // namespace
 
@@ -33,7 +34,7 @@ bool SubmapCopies::take(const map_status_t& status) {
     if (const auto known = copies_.find(key); known != copies_.end()) listed[key] = std::move(known->second);
     listed[key].summary = summary;
   }
-  copies_ = std::move(listed);  // what is not there any more is gone
+  copies_ = std::move(listed);  // drops the copies of submaps that no longer exist
   changed_();
   return true;
 }
@@ -46,15 +47,15 @@ ChunkReceiver::Verdict SubmapCopies::on_payload(const ChunkReceiver::Payload& pa
   if (!copy) return {.ok = false, .reason = "not asked for"};
   copy->request_id = 0;
   submap_update_t update;
-  if (payload.kind != chunk_t::SUBMAP_UPDATE) return {};  // refused: asked again in time
+  if (payload.kind != chunk_t::SUBMAP_UPDATE) return {};  // a refusal: the request is repeated later
   std::string reason = "not a submap update";
   if (Bus::decode(payload.bytes, &update)) {
     if (update.base_revision == 0) copy->submap = Submap();
-    reason = apply_submap_update(update, &copy->submap);
+    reason = apply_submap_update(update, &copy->submap).error_text();
     copy->placement_revision = copy->asked_placement_revision;
   }
   if (!reason.empty()) {
-    copy->submap = Submap();  // whatever is wrong with it, start afresh
+    copy->submap = Submap();  // the update does not fit, so the copy begins afresh
     log_warning("submap {} from {} is rejected: {}", copy->summary.submap_id, payload.sender, reason);
   }
   ++copy->taken;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Copies of all submaps of the atlas, as they lie in the map: follows RUMI_MAP_STATUS and asks map_server for what is
-// missing or has changed.
+// Keeps copies of all submaps of the atlas, as they lie in the map. Follows RUMI_MAP_STATUS, and requests from
+// map_server what is missing or has changed.
 #pragma once
 
 #include <functional>
@@ -22,38 +22,40 @@ class SubmapCopies {
  public:
   struct Copy {
     Submap submap;
-    int64_t placement_revision = 0;  // of the submap as we have it; 0: in its own gauge
-    submap_summary_t summary;        // what map_server said of it last
-    int64_t taken = 0;               // how often something of it came in
-    int32_t request_id = 0;          // under way, 0: none
+    int64_t placement_revision = 0;  // placement of this copy; 0: it is in its own gauge
+    submap_summary_t summary;        // what map_server reported on it last
+    int64_t taken = 0;               // number of updates that came in
+    int32_t request_id = 0;          // the request that is not answered yet; 0: none
     int64_t asked_us = 0, asked_placement_revision = 0;
-    // Where nobody has placed it, what is in its own gauge is in the map's, and only what is new has to travel.
+    // A submap that was not moved in the map has the map's gauge already, so only its new elements have to be sent.
     int64_t wanted_placement_revision() const { return summary.in_map ? summary.placement_revision : 0; }
     bool up_to_date() const {
       return submap.revision >= summary.revision && placement_revision == wanted_placement_revision();
     }
-    // In the map, and we have it in the map's gauge, if perhaps not where it lies now.
+    // True if it is in the map and this copy has the map's gauge, though perhaps an older placement.
     bool can_be_shown_in_map() const {
       return summary.in_map && (placement_revision == 0) == (summary.placement_revision == 0);
     }
   };
 
-  // requester: a name that no other process has. changed: called when there is something new to show.
+  // `requester` is a name that no other process has. `changed` is called when there is something new to show.
   SubmapCopies(Bus& bus, const std::string& requester, std::function<void()> changed);
 
-  // False: of another, older map_server, and not looked at.
+  // Returns false, and ignores the status, if it is much older than the newest one: then it comes from another
+  // map_server.
   bool take(const map_status_t& status);
   void tick(int64_t now_us) { receiver_.tick(now_us); }
-  // whole_pause_us: a placed submap travels whole, and is not asked for more often than that.
+  // Requests what is missing or has changed. A placed submap is always sent whole, so it is requested only
+  // `whole_pause_us` after the last request.
   void request_missing(int64_t now_us, int64_t whole_pause_us);
-  // Nothing is missing of what was told.
+  // True if the copies of all submaps of the last status are up to date.
   bool complete() const;
 
   const std::map<SubmapKey, Copy>& by_key() const { return copies_; }
   const MapOverview& overview() const { return map_; }
-  // What make_scene() takes of it: submaps, links.
+  // Returns the submaps and links for make_scene().
   MapPicture picture() const;
-  // Where the camera of a tracked frame is in the map, if its submap is part of it.
+  // Returns the camera's pose in the map for a tracked frame; nullopt if its submap is not in the map.
   std::optional<SE3> map_from_cam(const track_t& track) const;
 
  private:

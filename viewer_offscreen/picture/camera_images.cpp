@@ -11,7 +11,7 @@
 namespace rumi::viewer_offscreen {
 namespace {
 
-constexpr size_t kMaxRecent = 12;  // 0.4 s at 30 Hz; front_tracker is no further behind
+constexpr size_t kMaxRecent = 12;  // 0.4 s at 30 Hz; front_tracker is not that late
 constexpr size_t kMaxKeyframes = 10;
 constexpr int64_t kOld_us = 3'000'000;
 
@@ -30,8 +30,7 @@ const char* state_words(int8_t state) {
 
 CameraView view_image(const image_t& image, int64_t first_us) {
   CameraView view;
-  std::string ignored;  // a broken image is front_tracker's to report
-  view.image = decode_bgr(image, &ignored);
+  view.image = decode_bgr(image).value_or(cv::Mat());  // front_tracker reports broken images; here they are left out
   view.utime_us = image.utime;
   view.caption = "at " + format_time(1e-6 * static_cast<double>(image.utime - first_us));
   return view;

@@ -12,16 +12,16 @@
 
 namespace rumi::viewer_offscreen {
 
-// The latest images of the camera, and those of the latest keyframes until their keypoints have come with the submap.
-// A few of each; nothing is decoded before it is drawn.
+// Keeps the latest images of the camera, and the images of the latest keyframes until the submap brings their
+// keypoints: a few of each. An image is decoded only when it is drawn.
 class CameraImages {
  public:
   void add(const image_t& image);
   void add(const track_t& track);
 
-  // The image of the latest keyframe that a submap has, unless it is much older than the latest image: then that,
-  // without keypoints. find(key): the submap, or nullptr. No image if there is none or it cannot be decoded.
-  // first_us: times count from here.
+  // Returns the image of the latest keyframe that a submap has, with its keypoints. If that image is much older than
+  // the latest one, returns the latest image without keypoints. The view has no image if none has come or it cannot be
+  // decoded. `find(key)` returns the submap, or nullptr. Times are counted from `first_us`.
   CameraView view(int64_t first_us, const std::function<const Submap*(SubmapKey)>& find) const;
 
  private:
@@ -29,7 +29,7 @@ class CameraImages {
     SubmapKey submap;
     image_t image;
   };
-  std::deque<image_t> recent_;  // by arrival
+  std::deque<image_t> recent_;  // in order of arrival
   std::deque<KeyframeImage> keyframes_;
   track_t latest_{};
 };

@@ -11,7 +11,7 @@ namespace rumi::viewer_offscreen {
 namespace {
 
 constexpr int kScale = PlotCanvas::kScale;
-constexpr int kShift = 4;  // fractional bits of positions
+constexpr int kShift = 4;  // fractional bits of the positions of circles
 
 cv::Scalar bgr(const cv::Vec3b& rgb) { return {double(rgb[2]), double(rgb[1]), double(rgb[0])}; }
 

@@ -7,9 +7,9 @@
 
 namespace rumi::viewer_offscreen {
 
-// Where the image of a camera goes in a room: as large as it fits, at the top, centred.
+// Returns the rectangle for a camera's image within `room`: as large as possible, at the top, centred.
 cv::Rect inset_area(const CameraView& view, const cv::Rect& room);
-// The image with its keypoints; those that observe landmarks have `color`.
+// Draws the image with its keypoints. Those that observe landmarks have the colour `color`.
 void draw_inset(cv::Mat& large, const CameraView& view, const cv::Rect& area, const cv::Vec3b& color);
 
 }  // namespace rumi::viewer_offscreen

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "viewer_offscreen/picture/draw_map.h"
 
-#include <fmt/format.h>
-
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -24,7 +22,7 @@ std::vector<uint8_t> encode_png(const cv::Mat& picture) {
   return png;
 }
 
-std::string write_png(const cv::Mat& picture, const std::string& file) {
+Result<> write_png(const cv::Mat& picture, const std::string& file) {
   const std::vector<uint8_t> png = encode_png(picture);
   const std::string unfinished = file + ".part";
   std::ofstream out(unfinished, std::ios::binary);
@@ -33,7 +31,7 @@ std::string write_png(const cv::Mat& picture, const std::string& file) {
   if (!out || std::rename(unfinished.c_str(), file.c_str()) != 0) {
     const std::string reason = write_error_text(errno);
     std::remove(unfinished.c_str());
-    return fmt::format("{}: cannot be written: {}", file, reason);
+    return Error{.what = "cannot be written: " + reason, .where = file};
   }
   return {};
 }

@@ -7,17 +7,18 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "viewer_offscreen/picture/map_view.h"
 #include "viewer_offscreen/scene/scene.h"
 
 namespace rumi::viewer_offscreen {
 
-// The picture of a map, 1280 x 720 BGR, as RUMI_MAP_STATUS viewers and `rumi replay` show it: all views, or one. Throws
-// std::runtime_error if there is no OpenGL.
+// Returns the picture of a map, 1280 x 720 BGR, as viewer_offscreen and `rumi replay` show it: with all views, or only
+// one. Throws std::runtime_error if there is no OpenGL.
 cv::Mat draw_map(const MapPicture& picture, std::optional<ViewKind> only = std::nullopt);
 
 std::vector<uint8_t> encode_png(const cv::Mat& picture);
-// Writes a PNG, replacing the file at once. Returns what is wrong (file, reason), or an empty string.
-std::string write_png(const cv::Mat& picture, const std::string& file);
+// Writes a PNG, and replaces an existing file in one step. Returns an Error with the file and the reason if that fails.
+Result<> write_png(const cv::Mat& picture, const std::string& file);
 
 }  // namespace rumi::viewer_offscreen

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where everything is in the picture. Pixels of 1280 x 720.
+// The layout of a picture, in pixels of 1280 x 720.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -18,11 +18,11 @@ struct Layout {
     bool is_main;
   };
   std::vector<View> views;
-  cv::Rect camera;  // room for the camera's image; empty: none
+  cv::Rect camera;  // room for the camera's image; empty if none is shown
   cv::Rect legend, strip;
 };
 
-// All four views; the follow view moves over where there is no image of the camera.
+// Returns the layout of all four views. If there is no image of the camera, the follow view takes its room.
 inline Layout layout_all(bool with_camera) {
   Layout l;
   const Layout::View oblique{ViewKind::kOblique, {16, 52, 640, 566}, true};
@@ -44,7 +44,7 @@ inline Layout layout_all(bool with_camera) {
   return l;
 }
 
-// One view, large.
+// Returns the layout of one large view.
 inline Layout layout_one(ViewKind kind, bool with_camera) {
   Layout l = layout_all(with_camera);
   l.views = {{kind, {16, 52, 940, 566}, true}};

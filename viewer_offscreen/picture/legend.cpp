@@ -16,7 +16,7 @@ namespace {
 constexpr double kRow_px = 18, kSample_px = 30;
 const TextStyle kWord{8.5}, kStrong{8.8, {20, 20, 24}, true}, kDetail{7.5, {110, 110, 118}};
 
-// 12 345
+// Returns the number with a space before each three digits: "12 345".
 std::string thousands(int64_t n) {
   if (n < 1000) return fmt::format("{}", n);
   return fmt::format("{} {:03d}", thousands(n / 1000), n % 1000);

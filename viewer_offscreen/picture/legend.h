@@ -6,8 +6,9 @@
 
 namespace rumi::viewer_offscreen {
 
-// The key to a picture, in two passes because lines are OpenGL's and letters are not: samples of the line styles, then
-// the words beside them. Shows what fits in the panel and says how much it leaves out.
+// Draws the legend of a picture in two passes, because OpenGL draws the lines but not the letters: first samples of the
+// line styles, then the words beside them. What does not fit into the panel is left out, and the last row says how
+// much.
 class Legend {
  public:
   Legend(const Scene& scene, const cv::Rect& panel);

@@ -13,14 +13,14 @@ namespace {
 using Eigen::Vector3d;
 using Submaps = std::vector<const SubmapView*>;
 
-constexpr double kLeastLoss_px = 12;  // a shorter one has no room for rings at its ends
-// More than these are thinned evenly.
-constexpr size_t kMaxFrusta = 150;                         // of keyframes
-constexpr double kLandmarkRoom = 4, kCovisibleRoom = 150;  // pixels of the panel for each
+constexpr double kLeastLoss_px = 12;  // length of a loss's line; a shorter one has no room for rings at its ends
+// Elements are thinned evenly, so that no more than this are drawn.
+constexpr size_t kMaxFrusta = 150;                         // frusta of keyframes
+constexpr double kLandmarkRoom = 4, kCovisibleRoom = 150;  // pixels of the panel per element
 
 cv::Vec3b color_of(const SubmapView& submap) { return submap_color(submap.kind, submap.color); }
 
-// Draws in space: what is behind the viewer is cut off.
+// Draws lines in space, and cuts off what is behind the viewer.
 class Pen {
  public:
   Pen(PlotCanvas& canvas, const Projection& project) : canvas_(canvas), project_(project) {}
@@ -58,7 +58,7 @@ void draw_grid(Pen& pen, const PrincipalPlane& plane, double step) {
     return plane.center + plane.axes * Vector3d(a, b, plane.floor);
   };
   for (double k = -half; k <= half + step / 2; k += step) {
-    const double alpha = 1 - 0.75 * std::abs(k) / half;  // it fades outwards: it has no border of its own
+    const double alpha = 1 - 0.75 * std::abs(k) / half;  // the grid has no border, so it fades outwards
     for (const double sign : {-1.0, 1.0}) {
       for (int piece = 0; piece < 6; ++piece) {
         const double from = sign * half * piece / 6, to = sign * half * (piece + 1) / 6;
@@ -70,7 +70,7 @@ void draw_grid(Pen& pen, const PrincipalPlane& plane, double step) {
   }
 }
 
-// Calls piece(a, b, after_loss) for the parts of a path, those shorter than `least` joined.
+// Calls piece(a, b, after_loss) for the parts of a path. Parts shorter than `least` are joined to the next ones.
 template <class Piece>
 void each_piece(const SubmapView& submap, double least, Piece piece) {
   if (submap.trajectory.empty()) return;
@@ -109,7 +109,7 @@ void draw_path(PlotCanvas& canvas, Pen& pen, const SubmapView& submap, double le
       if (after_loss) return;
       pen.segment(a, b, [&](cv::Point2d from, cv::Point2d to) {
         canvas.line(from, to, line_width, line_ink);
-        if (line_width > 2) canvas.disc(to, line_width / 2, line_ink);  // a round joint, where it is seen
+        if (line_width > 2) canvas.disc(to, line_width / 2, line_ink);  // rounds the joint
       });
     });
   };
@@ -121,7 +121,7 @@ void draw_path(PlotCanvas& canvas, Pen& pen, const SubmapView& submap, double le
   });
 }
 
-// Between one placed submap and the next in time nothing is known: a dashed line.
+// Draws a dashed line from each placed submap to the next in time, because the path between them is not known.
 void draw_gaps(PlotCanvas& canvas, Pen& pen, const Submaps& placed) {
   std::vector<const SubmapView*> by_time;
   for (const SubmapView* s : placed)
@@ -139,7 +139,7 @@ void draw_gaps(PlotCanvas& canvas, Pen& pen, const Submaps& placed) {
   }
 }
 
-// Every so manyth is drawn.
+// Returns n such that every n-th of `all` elements makes about `most` elements, or fewer.
 size_t thinned(size_t all, double most) { return static_cast<size_t>(static_cast<double>(all) / (most + 1)) + 1; }
 
 Projection project_for(ViewKind kind, const PrincipalPlane& plane, const SE3& camera, const cv::Rect& area,
@@ -148,6 +148,36 @@ Projection project_for(ViewKind kind, const PrincipalPlane& plane, const SE3& ca
   if (kind == ViewKind::kTop) return Projection::parallel(plane, 0, M_PI / 2, area, shown);
   if (kind == ViewKind::kSide) return Projection::parallel(plane, 0, 0, area, shown);
   return Projection::parallel(plane, -0.55, 0.62, area, shown);
+}
+
+struct Totals {
+  size_t landmarks = 0, pairs = 0, keyframes = 0;
+};
+
+Totals count(const Submaps& shown) {
+  Totals totals;
+  for (const SubmapView* s : shown) {
+    totals.landmarks += s->landmarks.size();
+    totals.pairs += s->covisible.size();
+    totals.keyframes += s->keyframe_poses.size();
+  }
+  return totals;
+}
+
+void draw_truth(Pen& pen, const Scene& scene) {
+  for (size_t i = 1; i < scene.truth.size(); ++i) pen.line(scene.truth[i - 1], scene.truth[i], 1.2, {kTruthColor, 0.8});
+}
+
+void draw_frusta(Pen& pen, const Scene& scene, const Submaps& shown, size_t step, double length) {
+  for (const SubmapView* s : shown)
+    for (size_t i = 0; i < s->keyframe_poses.size(); i += step)
+      pen.frustum(scene, s->keyframe_poses[i].map_from_cam, length, 0.8, {color_of(*s), 0.6}, 0.04);
+}
+
+void draw_merges(PlotCanvas& canvas, Pen& pen, const Scene& scene) {
+  for (const MergeView& merge : scene.merges)
+    pen.segment(merge.at_a, merge.at_b,
+                [&](cv::Point2d a, cv::Point2d b) { draw_merge(canvas, a, b, merge.same_images); });
 }
 
 }  // namespace
@@ -197,6 +227,16 @@ MapViews::MapViews(PlotCanvas& canvas, const Scene& scene) : canvas_(canvas), sc
   canvas.set_points(landmarks);
 }
 
+void MapViews::draw_landmarks(const Submaps& shown, const Projection& project, size_t step, double size_px) {
+  for (const SubmapView* s : shown) {
+    const cv::Vec3b color = color_of(*s);
+    cv::Vec3b tint;
+    for (int c = 0; c < 3; ++c) tint[c] = cv::saturate_cast<uchar>(0.85 * color[c] + 0.15 * 120);
+    const size_t index = static_cast<size_t>(s - scene_.submaps.data());
+    canvas_.points(first_landmark_[index], s->landmarks.size(), step, project, size_px, {tint, 0.45});
+  }
+}
+
 MapViews::Drawn MapViews::draw(const Submaps& shown, const cv::Rect& panel, const MapViewStyle& style) {
   draw_panel(canvas_, panel);
   const bool whole_map = !shown.empty() && shown.front()->placed;
@@ -210,40 +250,21 @@ MapViews::Drawn MapViews::draw(const Submaps& shown, const cv::Rect& panel, cons
   const double least = project.scale() ? 1.5 / *project.scale() : 0.002 * plane.extent;
   draw_grid(pen, plane, step);
 
-  const double pixels = panel.area();
-  size_t landmarks = 0, pairs = 0, keyframes = 0;
-  for (const SubmapView* s : shown) {
-    landmarks += s->landmarks.size();
-    pairs += s->covisible.size();
-    keyframes += s->keyframe_poses.size();
-  }
-  for (const SubmapView* s : shown) {
-    const cv::Vec3b color = color_of(*s);
-    cv::Vec3b tint;
-    for (int c = 0; c < 3; ++c) tint[c] = cv::saturate_cast<uchar>(0.85 * color[c] + 0.15 * 120);
-    const size_t index = static_cast<size_t>(s - scene_.submaps.data());
-    canvas_.points(first_landmark_[index], s->landmarks.size(), thinned(landmarks, pixels / kLandmarkRoom), project,
-                   style.landmark_px, {tint, 0.45});
-  }
+  const Totals totals = count(shown);
+  draw_landmarks(shown, project, thinned(totals.landmarks, panel.area() / kLandmarkRoom), style.landmark_px);
   if (whole_map && style.keyframes)
     for (const SubmapView* s : shown) draw_shadow(pen, plane, *s, least, style.line_px);
-  for (const SubmapView* s : shown) draw_covisible(pen, *s, thinned(pairs, pixels / kCovisibleRoom));
+  for (const SubmapView* s : shown) draw_covisible(pen, *s, thinned(totals.pairs, panel.area() / kCovisibleRoom));
   if (whole_map) {
-    for (size_t i = 1; i < scene_.truth.size(); ++i)
-      pen.line(scene_.truth[i - 1], scene_.truth[i], 1.2, {kTruthColor, 0.8});
+    draw_truth(pen, scene_);
     draw_gaps(canvas_, pen, shown);
   }
-  if (style.keyframes)
-    for (const SubmapView* s : shown)
-      for (size_t i = 0; i < s->keyframe_poses.size(); i += thinned(keyframes, kMaxFrusta))
-        pen.frustum(scene_, s->keyframe_poses[i].map_from_cam, 0.022 * plane.extent, 0.8, {color_of(*s), 0.6}, 0.04);
-  for (const SubmapKind kind : {SubmapKind::kBack, SubmapKind::kFront})  // what was tracked lies over what was rebuilt
+  if (style.keyframes) draw_frusta(pen, scene_, shown, thinned(totals.keyframes, kMaxFrusta), 0.022 * plane.extent);
+  for (const SubmapKind kind : {SubmapKind::kBack, SubmapKind::kFront})  // front submaps lie over back submaps
     for (const SubmapView* s : shown)
       if (s->kind == kind) draw_path(canvas_, pen, *s, least, style.line_px);
   if (whole_map) {
-    for (const MergeView& merge : scene_.merges)
-      pen.segment(merge.at_a, merge.at_b,
-                  [&](cv::Point2d a, cv::Point2d b) { draw_merge(canvas_, a, b, merge.same_images); });
+    draw_merges(canvas_, pen, scene_);
     if (scene_.camera) pen.frustum(scene_, *scene_.camera, 0.06 * plane.extent, 1.6, {kCameraColor}, 0.12);
   }
   canvas_.unclip();

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of a picture of a series; nothing for other files.
+// Returns the number of a picture of a series; nullopt for other files.
 std::optional<int64_t> number_of(const fs::path& file) {
   const std::string stem = file.stem().string();
   const char* end = stem.data() + stem.size();
@@ -36,7 +36,7 @@ PictureSeries::PictureSeries(std::string folder, double fps, bool goes_on)
       fps_(fps),
       goes_on_(goes_on) {}
 
-std::string PictureSeries::take_over_or_remove() {
+Result<> PictureSeries::take_over_or_remove() {
   std::error_code error;
   const bool take_over = goes_on_ && fs::exists(unfinished_, error);
   size_ = 0;
@@ -45,18 +45,18 @@ std::string PictureSeries::take_over_or_remove() {
     if (number && take_over) size_ = std::max(size_, *number);
     if (number && !take_over) fs::remove(it->path(), error);
   }
-  if (error) return fmt::format("{}: {}", pictures_, error.message());
+  if (error) return Error{.what = error.message(), .where = pictures_};
   if (size_ > 0) log_info("{}: going on after {} pictures of a series that was not ended", pictures_, size_);
   return {};
 }
 
-std::string PictureSeries::begin(cv::Size size) {
+Result<> PictureSeries::begin(cv::Size size) {
   std::error_code error;
-  // The folder itself is the user's to make.
+  // Does not make FOLDER: that is for the user to do.
   if (!fs::create_directory(pictures_, error) && error)
-    return fmt::format("{}: cannot be made: {}", pictures_, error.message());
-  if (std::string problem = take_over_or_remove(); !problem.empty()) return problem;
-  if (!std::ofstream(unfinished_)) return fmt::format("{}: cannot be written", unfinished_);
+    return Error{.what = "cannot be made: " + error.message(), .where = pictures_};
+  if (const Result<> cleared = take_over_or_remove(); !cleared) return cleared;
+  if (!std::ofstream(unfinished_)) return Error{.what = "cannot be written", .where = unfinished_};
   begun_ = true;
   // H.264 plays everywhere but needs an encoder that not every ffmpeg has.
   for (const char* codec : {"avc1", "mp4v"})
@@ -64,19 +64,20 @@ std::string PictureSeries::begin(cv::Size size) {
       video_.open(video_file_, cv::CAP_FFMPEG, cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]), fps_,
                   size);
   if (!video_.isOpened())
-    video_error_ = fmt::format("{}: cannot be written: OpenCV here has no encoder for it; the pictures are in {}",
-                               video_file_, pictures_);
+    video_is_open_ = Error{.what = "cannot be written: OpenCV here has no encoder for it",
+                           .where = video_file_,
+                           .remedy = "the pictures are in " + pictures_};
   return {};
 }
 
-std::string PictureSeries::add(const cv::Mat& picture) {
+Result<> PictureSeries::add(const cv::Mat& picture) {
   if (!begun_)
-    if (std::string error = begin(picture.size()); !error.empty()) return error;
+    if (const Result<> begun = begin(picture.size()); !begun) return begun;
   const std::string name = fmt::format("{:06}.png", size_ + 1);
-  if (std::string error = write_png(picture, fs::path(pictures_) / name); !error.empty()) return error;
+  if (const Result<> written = write_png(picture, fs::path(pictures_) / name); !written) return written;
   ++size_;
   if (video_.isOpened()) video_.write(picture);
-  return video_error_;
+  return video_is_open_;
 }
 
 void PictureSeries::finish() {

@@ -16,8 +16,9 @@
 namespace rumi::viewer_offscreen {
 namespace {
 
-constexpr size_t kMaxApart = 4;                         // submaps shown apart from the map
-constexpr int64_t kFirstDate_us = 946'684'800'000'000;  // 2000: before it, times count from something else
+constexpr size_t kMaxApart = 4;                         // submaps that are shown apart from the map, at most
+constexpr int64_t kFirstDate_us = 946'684'800'000'000;  // 2000-01-01: earlier times do not count from 1970, so no date
+                                                        // is shown
 const TextStyle kTitle{15, {20, 20, 24}, true}, kNote{8.5, {120, 120, 128}}, kLabel{8.5, {70, 70, 78}};
 
 const char* name_of(ViewKind kind) {
@@ -39,7 +40,7 @@ MapViewStyle style_of(const Layout::View& view) {
           (view.is_main && view.kind == ViewKind::kOblique) || follow, 0};
 }
 
-// A length of the map that is shown as a bar: at most a quarter of the panel.
+// Draws a scale bar of the given length at the lower right of the panel.
 void draw_scale_bar(PlotCanvas& canvas, const cv::Rect& panel, double length_px) {
   const cv::Point2d b(panel.x + panel.width - 12, panel.y + panel.height - 12), a = b - cv::Point2d(length_px, 0);
   canvas.line(a, b, 1.6, {kCameraColor});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Draws a scene: views of the map, the camera's image, a legend, and what became of the frames over time.
+// Draws a scene: views of the map, the camera's image, a legend, and how the frames were tracked over time.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -16,7 +16,7 @@ class Renderer {
  public:
   // Throws std::runtime_error if there is no OpenGL.
   Renderer();
-  // kPictureWidth x kPictureHeight, 8 bit BGR. All views, or only one.
+  // Draws all views, or only one. Returns kPictureWidth x kPictureHeight pixels, 8-bit BGR.
   cv::Mat draw(const Scene& scene, std::optional<ViewKind> only = std::nullopt);
 
  private:

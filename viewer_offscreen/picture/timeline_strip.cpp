@@ -14,7 +14,7 @@ namespace rumi::viewer_offscreen {
 namespace {
 
 constexpr double kLabelWidth = 86, kLaneHeight = 13, kLaneStep = 19, kFirstLane = 20, kSample = 16;
-constexpr double kLeast_px = 1;  // of a loss, however short
+constexpr double kLeast_px = 1;  // width of a loss, at least, however short it is
 constexpr int kTicks = 12;
 const char* const kTracked = "tracked, in the colour of the submap";
 const TextStyle kWord{8, {90, 90, 98}}, kTick{7.5, {110, 110, 118}};
@@ -22,7 +22,7 @@ const TextStyle kWord{8, {90, 90, 98}}, kTick{7.5, {110, 110, 118}};
 struct Entry {
   const char* words;
   cv::Vec3b color;
-  double height;  // of the lane
+  double height;  // share of the lane's height
 };
 const Entry kEntries[] = {{"recently lost", kRecentlyLostColor, 0.6},
                           {"lost", kLostColor, 0.35},
@@ -36,7 +36,7 @@ void draw_bar(PlotCanvas& canvas, const cv::Rect2d& lane, double share, const cv
   canvas.rectangle({lane.x, lane.y + lane.height - height, lane.width, height}, {color});
 }
 
-// In the map by a back submap: with a white core, like its line.
+// Draws a bar with a white core, like a back submap's line, for frames that only a back submap has in the map.
 void draw_filled(PlotCanvas& canvas, const cv::Rect2d& lane, const cv::Vec3b& color) {
   draw_bar(canvas, lane, 1, color);
   canvas.rectangle({lane.x, lane.y + lane.height * 0.38, lane.width, lane.height * 0.24}, {kPanelColor});
@@ -76,7 +76,7 @@ void TimelineStrip::draw_span(PlotCanvas& canvas, double top, const TimelineSpan
 void TimelineStrip::draw_lane(PlotCanvas& canvas, double top, const std::vector<TimelineSpan>& spans,
                               bool is_map) const {
   canvas.rectangle({x_of(scene_.first_us), top, area_.width - kLabelWidth, kLaneHeight}, {kPanelColor});
-  for (const bool with_submap : {true, false})  // a loss of less than a pixel is seen all the same
+  for (const bool with_submap : {true, false})  // losses come last, so that even one of less than a pixel is seen
     for (const TimelineSpan& span : spans)
       if ((span.submap >= 0) == with_submap) draw_span(canvas, top, span, is_map);
 }

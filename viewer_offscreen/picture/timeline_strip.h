@@ -6,8 +6,9 @@
 
 namespace rumi::viewer_offscreen {
 
-// What became of the frames over time, in two lanes: how each was tracked when it came, and where it is in the map now.
-// Tracked is a full bar in the submap's colour; what is not tracked is the lower the less is known.
+// Draws the timeline in two lanes: how each frame was tracked when it came, and where it is in the map now. A tracked
+// frame is a bar of full height in its submap's colour. Other frames are lower bars; the lowest ones were not
+// initialized, or their state is unknown.
 class TimelineStrip {
  public:
   TimelineStrip(const Scene& scene, const cv::Rect& area);
@@ -23,9 +24,9 @@ class TimelineStrip {
   cv::Rect area_;
 };
 
-// 12.3 s, 4:05, 1:02:03
+// Returns "12.3 s", "4:05" or "1:02:03".
 std::string format_time(double seconds);
-// A round step of time so that at most `most` of them cover the duration.
+// Returns a round time step in seconds, so that at most `most` steps cover the duration.
 double round_time_step(double duration_s, int most);
 
 }  // namespace rumi::viewer_offscreen

@@ -12,10 +12,11 @@ std::vector<std::pair<int, int>> covisible_pairs(const Submap& submap, int min_s
     index_of[id] = static_cast<int>(ids.size());
     ids.push_back(id);
   }
-  // Per landmark the keyframes that see it, ascending, one after another; per keyframe its places in that list.
+  // `observers` lists the keyframes that see each landmark, ascending, one landmark after another. `places` has each
+  // keyframe's places in that list.
   std::vector<int> observers;
   std::vector<size_t> end_of;
-  std::vector<std::vector<std::pair<size_t, size_t>>> places(ids.size());  // place, landmark
+  std::vector<std::vector<std::pair<size_t, size_t>>> places(ids.size());  // by keyframe: place, landmark
   for (const auto& [id, landmark] : submap.landmarks) {
     for (const Observation& observation : landmark.observations) {
       const auto keyframe = index_of.find(observation.keyframe_id);

@@ -10,8 +10,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kOutlierShare = 0.05;  // of the landmarks at either end that the fit leaves out
-constexpr size_t kMaxSamples = 20'000;  // landmarks looked at for the fit
+constexpr double kOutlierShare = 0.05;  // share of the landmarks that is left out at either end of a range
+constexpr size_t kMaxSamples = 20'000;  // landmarks that are looked at, at most
 
 struct Range {
   double low = 1e300, high = -1e300;
@@ -27,7 +27,7 @@ struct Range {
   double size() const { return empty() ? 0 : high - low; }
 };
 
-// Range along a direction without the outermost values.
+// Returns the range of the landmarks along a direction, without the outermost ones.
 Range landmark_range(const std::vector<const SubmapView*>& submaps, const Vector3d& origin, const Vector3d& direction) {
   size_t all = 0;
   for (const SubmapView* s : submaps) all += s->landmarks.size();
@@ -55,8 +55,8 @@ Range trajectory_range(const std::vector<const SubmapView*>& submaps, const Vect
   return range;
 }
 
-// Trajectory and landmarks together, but landmarks may make it only so much larger: far points would shrink the path to
-// nothing.
+// Returns the range of trajectory and landmarks. Landmarks enlarge it only to a limit, because far points would shrink
+// the path to nothing.
 Range fitted_range(const std::vector<const SubmapView*>& submaps, const Vector3d& origin, const Vector3d& direction,
                    double extent) {
   Range range = trajectory_range(submaps, origin, direction);
@@ -94,7 +94,7 @@ PrincipalPlane principal_plane(const std::vector<const SubmapView*>& submaps) {
   const Vector3d& variance = solver.eigenvalues();  // ascending
   Vector3d normal = solver.eigenvectors().col(0), major = solver.eigenvectors().col(2);
   if (up.norm() < 1e-9) up = normal;
-  // A path along a line lies in many planes: take the one that is level for the cameras.
+  // If the path is a line, it lies in many planes: take the one that is level for the cameras.
   if (variance[1] < 1e-3 * variance[2] || variance[2] <= 0) {
     if (variance[2] <= 0) major = up.unitOrthogonal();
     const Vector3d level = up - up.dot(major) * major;
@@ -136,8 +136,8 @@ Projection Projection::parallel(const PrincipalPlane& plane, double azimuth_rad,
 }
 
 Projection Projection::follow(const PrincipalPlane& plane, const SE3& map_from_cam, const cv::Rect& panel) {
-  constexpr double kBehind = 0.34, kAbove = 0.14, kAhead = 0.6;  // of the extent
-  constexpr double kField = 1.0;                                 // panel width at distance 1
+  constexpr double kBehind = 0.34, kAbove = 0.14, kAhead = 0.6;  // as shares of plane.extent
+  constexpr double kField = 1.0;                                 // width of the panel at distance 1
   const Vector3d forward = map_from_cam.rotation * Vector3d::UnitZ();
   Vector3d up = plane.axes.col(2);
   if (std::abs(forward.dot(up)) > 0.9) up = -(map_from_cam.rotation * Vector3d::UnitY());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From the map to a panel of the picture.
+// Projects the map into a panel of the picture.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,34 +11,34 @@
 
 namespace rumi::viewer_offscreen {
 
-// The plane that a trajectory lies in, as far as it does. Columns of `axes`: first and second direction in the plane,
-// the normal (on the side that is up for the cameras). A right-handed rotation.
+// The plane that fits a trajectory best. The columns of `axes` are the first and the second direction in the plane and
+// the normal, on the side that is up for the cameras. They are a right-handed rotation.
 struct PrincipalPlane {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-  double floor = 0;   // along the normal, from the center: where the grid lies
-  double extent = 1;  // of the trajectory in the plane
+  double floor = 0;   // height of the grid: distance from `center` along the normal
+  double extent = 1;  // largest extent of the trajectory along the axes
 };
 PrincipalPlane principal_plane(const std::vector<const SubmapView*>& submaps);
 
-// From the map to pixels of the picture: (x, y) = (X, Y) / W with (X, Y, W) = matrix * (map, 1).
+// Maps points of the map to pixels of the picture: (x, y) = (X, Y) / W with (X, Y, W) = matrix * (map, 1).
 class Projection {
  public:
   using Matrix = Eigen::Matrix<double, 3, 4>;
 
-  // Parallel. Looks along the plane's normal (elevation 90 degrees) or from a lower elevation, turned by azimuth.
-  // Fitted to the trajectories and to the landmarks without their outliers.
+  // Returns a parallel projection. It looks along the plane's normal (elevation 90 degrees) or from a lower elevation,
+  // turned by `azimuth_rad`. The trajectories and the landmarks, without outliers, fill the panel.
   static Projection parallel(const PrincipalPlane& plane, double azimuth_rad, double elevation_rad,
                              const cv::Rect& panel, const std::vector<const SubmapView*>& submaps);
-  // Perspective, from behind and above a camera onto what it sees, with the plane's horizon level.
+  // Returns a perspective projection from behind and above a camera onto what it sees, with a level horizon.
   static Projection follow(const PrincipalPlane& plane, const SE3& map_from_cam, const cv::Rect& panel);
 
-  // Meaningful in front of the viewer.
+  // Returns a point's pixel. The point must be in front of the viewer.
   cv::Point2d operator()(const Eigen::Vector3d& map) const;
-  // Cuts off what is behind the viewer. False if nothing is left.
+  // Shortens the line from a to b to the part in front of the viewer. Returns false if there is none.
   bool clip(Eigen::Vector3d* a, Eigen::Vector3d* b) const;
   const Matrix& matrix() const { return matrix_; }
-  // Pixels per unit across the panel; nothing in perspective, where there is no one scale.
+  // Returns the pixels per unit across the panel; nullopt for a perspective, which has no single scale.
   std::optional<double> scale() const { return scale_; }
 
  private:
@@ -48,7 +48,7 @@ class Projection {
   std::optional<double> scale_;
 };
 
-// 1, 2 or 5 times a power of ten, near `length`.
+// Returns 1, 2 or 5 times a power of ten, near `length`.
 double round_length(double length);
 
 }  // namespace rumi::viewer_offscreen

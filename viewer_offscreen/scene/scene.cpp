@@ -15,9 +15,9 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int64_t kTruthTolerance_us = 50'000;
-constexpr double kLargest = 1e12;  // beyond it a number is no coordinate
+constexpr double kLargest = 1e12;  // coordinates of this size or more are not drawn
 
-constexpr int kMinShared = 40;  // landmarks, of two keyframes that are shown as covisible
+constexpr int kMinShared = 40;  // common landmarks of two keyframes that are shown as covisible, at least
 
 bool usable(const Vector3d& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() < kLargest; }
 
@@ -33,7 +33,8 @@ void add_keyframes(const Submap& submap, SubmapView* view) {
     if (index_of.contains(a) && index_of.contains(b)) view->covisible.emplace_back(index_of[a], index_of[b]);
 }
 
-// A submap keeps its colour as others come: by its place among those of its kind, in the order in which they are made.
+// The colour follows from the number of older submaps of the same kind, so that a submap keeps its colour when others
+// come.
 void set_colors(std::vector<SubmapView>* submaps) {
   for (SubmapView& view : *submaps)
     view.color = static_cast<int>(std::count_if(submaps->begin(), submaps->end(), [&](const SubmapView& other) {
@@ -42,7 +43,7 @@ void set_colors(std::vector<SubmapView>* submaps) {
     }));
 }
 
-// Of a submap's frames, in order of time, those that are in the list: calls found(index in the list).
+// Calls found(index in the list), in order of time, for each frame of the submap that is in the list.
 template <class Found>
 void each_frame(const SubmapView& submap, const std::vector<FrameNote>& frames, Found found) {
   size_t i = 0;
@@ -52,7 +53,7 @@ void each_frame(const SubmapView& submap, const std::vector<FrameNote>& frames, 
   }
 }
 
-// Without a list of all frames, those that have a pose.
+// Returns the frames that have a pose, for a picture without a list of all frames.
 std::vector<FrameNote> frames_with_pose(const std::vector<SubmapView>& submaps) {
   std::map<int64_t, FrameNote> frames;
   for (const SubmapView& submap : submaps)
@@ -68,7 +69,8 @@ void add_timeline(const MapPicture& picture, Scene* scene) {
   if (frames.empty()) return;
   std::vector<int> tracked_in(frames.size(), -1), placed_in(frames.size(), -1);
   std::vector<bool> posed(frames.size());
-  for (const SubmapKind kind : {SubmapKind::kFront, SubmapKind::kBack})  // a front submap's pose comes first
+  for (const SubmapKind kind : {SubmapKind::kFront, SubmapKind::kBack})  // a pose in a front submap counts before one
+                                                                         // in a back submap
     for (size_t s = 0; s < scene->submaps.size(); ++s) {
       const SubmapView& submap = scene->submaps[s];
       if (submap.kind != kind) continue;
@@ -84,7 +86,7 @@ void add_timeline(const MapPicture& picture, Scene* scene) {
       if (frames[i].submap.id == kNoSubmap || frames[i].submap != submap.key) continue;
       tracked_in[i] = static_cast<int>(s);
       if (frames[i].utime_us <= newest_us) continue;
-      posed[i] = true;  // its pose is on its way to us
+      posed[i] = true;  // the update with its pose has not come yet
       if (submap.placed && placed_in[i] < 0) placed_in[i] = static_cast<int>(s);
     }
   }
@@ -108,8 +110,8 @@ void mark_losses(const std::vector<LostSpan>& spans, std::vector<TrajectoryPoint
   }
 }
 
-// Where two submaps have the same image, or else where they come nearest to each other: an attempt that compared places
-// does not say which.
+// Returns the positions, by either submap, at an image that both have. If there is none, returns the positions of the
+// keyframes that are nearest to each other, because a link by appearance does not say which places it compared.
 std::optional<MergeView> view_merge(const SubmapView& a, const SubmapView& b, bool same_images) {
   std::vector<MergeView> same;
   for (const KeyframeView& of_a : a.keyframe_poses) {
@@ -147,7 +149,7 @@ void add_merges(const MapPicture& picture, Scene* scene) {
   }
 }
 
-// The true path where the map has poses, in the map's gauge.
+// Adds the true path to the scene, aligned to the map at the times of poses in the map.
 void align_truth(const std::map<int64_t, Vector3d>& truth, Scene* scene) {
   std::vector<Vector3d> source, target;
   for (const SubmapView& submap : scene->submaps) {

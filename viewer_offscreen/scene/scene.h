@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What there is to see of a map, without the map: plain values in the map's frame of reference.
+// A scene is all that a picture of a map shows, as plain values in the map's frame of reference.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,26 +32,26 @@ struct SubmapView {
   SubmapKey key;
   SubmapKind kind = SubmapKind::kFront;
   int color = 0;        // see submap_color()
-  bool placed = false;  // in the map's frame; else in its own gauge, shown apart
+  bool placed = false;  // true: it lies in the map's frame; false: it has its own gauge and is shown apart
   int64_t frames = 0, keyframes = 0, landmark_count = 0;
-  std::vector<TrajectoryPoint> trajectory;  // by time
+  std::vector<TrajectoryPoint> trajectory;  // in order of time
   std::vector<Eigen::Vector3f> landmarks;
   std::vector<KeyframeView> keyframe_poses;
-  std::vector<std::pair<size_t, size_t>> covisible;  // of keyframe_poses, those that share many landmarks
+  std::vector<std::pair<size_t, size_t>> covisible;  // pairs of keyframe_poses that share many landmarks
 };
 
-// Two submaps that were joined: where either has what both saw.
+// Two submaps that were joined: the positions, by either submap, of a place that both saw.
 struct MergeView {
   Eigen::Vector3d at_a, at_b;
   bool same_images = false;
 };
 
-// An image of the camera, with the keypoints that a keyframe had in it.
+// An image of the camera, with the keypoints of a keyframe.
 struct CameraView {
-  cv::Mat image;  // BGR; empty: none
+  cv::Mat image;  // BGR; empty if there is none
   int64_t utime_us = 0;
-  cv::Size size;                                  // of the image that the keypoints were found in
-  std::vector<cv::Point2f> on_landmarks, others;  // pixels
+  cv::Size size;                                  // size of the image in which the keypoints were found
+  std::vector<cv::Point2f> on_landmarks, others;  // in pixels of that image
   std::string caption;
 };
 
@@ -62,24 +62,24 @@ struct Scene {
   Timeline timeline;
   std::vector<MergeView> merges;
   int refused_links = 0;
-  std::vector<Eigen::Vector3d> truth;     // true path, aligned; may be empty
-  std::optional<double> metres_per_unit;  // of the map, by the true path
+  std::vector<Eigen::Vector3d> truth;     // true path, aligned to the map; may be empty
+  std::optional<double> metres_per_unit;  // length of the map's unit, from the true path
   std::optional<SE3> camera;              // map_from_cam of the frustum to show
   double camera_aspect = 4.0 / 3;         // width / height
-  double camera_half_width = 0.61;        // of the image at distance 1
+  double camera_half_width = 0.61;        // half the width of the image at distance 1
   CameraView camera_view;
-  int64_t first_us = 0, last_us = 0;  // times in the picture count from the first
-  int64_t frames = 0;                 // all, with a pose or without; 0: unknown
+  int64_t first_us = 0, last_us = 0;  // times in the picture are counted from first_us
+  int64_t frames = 0;                 // all frames, with or without a pose; 0: unknown
   int64_t frames_in_map = 0;
 };
 
-// What draw_map() makes a scene of.
+// The input of make_scene().
 struct MapPicture {
   struct Item {
-    const Submap* submap = nullptr;  // as it lies in the map, if it is part of it; else in its own gauge
+    const Submap* submap = nullptr;  // if it is part of the map, placed in it; otherwise in its own gauge
     bool in_map = false;
   };
-  // An attempt to join two submaps; a == b: a loop.
+  // A link between two submaps, accepted or not. If a == b, it is a loop.
   struct Link {
     SubmapKey a, b;
     bool same_images = false, accepted = false;
@@ -87,16 +87,17 @@ struct MapPicture {
   std::string title = "Rumi";
   std::vector<Item> submaps = {};
   std::vector<Link> links = {};
-  std::vector<FrameNote> frames = {};                   // of all frames, ascending; may be empty
+  std::vector<FrameNote> frames = {};                   // all frames, ascending in time; may be empty
   std::map<int64_t, Eigen::Vector3d> groundtruth = {};  // camera positions by utime_us, in metres; may be empty
-  std::optional<SE3> camera = std::nullopt;             // map_from_cam; nothing: the last pose in the map
+  std::optional<SE3> camera = std::nullopt;             // map_from_cam; nullopt: the last pose in the map is shown
   CameraView camera_view = {};
 };
 
-// Numbers that are not finite are left out. If no submap is placed, the one with most frames stands for the map.
+// Makes the scene of a picture. Numbers that are not finite are left out. If no submap is placed, the one with the most
+// frames is shown as the map.
 Scene make_scene(const MapPicture& picture);
 
-// The same in two steps, for who keeps what has not changed: each of the picture's submaps, and all together.
+// These two do the same in two steps, for a caller that keeps the views of submaps that have not changed.
 SubmapView view_submap(const Submap& submap);
 Scene make_scene(const MapPicture& picture, std::vector<SubmapView> submaps);
 

@@ -12,7 +12,7 @@ void extend(std::vector<TimelineSpan>* spans, int64_t utime_us, int8_t state, in
   spans->back().last_us = utime_us;
 }
 
-// A span lasts until the next begins: no gap of a frame's length between them.
+// Ends each span where the next one begins, so that no gap of a frame's length lies between them.
 void close_gaps(std::vector<TimelineSpan>* spans, int64_t end_us) {
   for (size_t i = 0; i < spans->size(); ++i)
     (*spans)[i].last_us = i + 1 < spans->size() ? (*spans)[i + 1].first_us : end_us;

@@ -8,6 +8,7 @@
 
 #include <cerrno>
 
+#include "base/or_throw.h"
 #include "tests/support/process_state.h"
 
 namespace rumi {
@@ -18,10 +19,7 @@ using ::testing::HasSubstr;
 Child start_shell(const std::string& script) {
   ChildLaunch launch;
   launch.arguments = {"/bin/sh", "-c", script};
-  std::string error;
-  std::optional<Child> child = Child::start(launch, &error);
-  if (!child) throw std::runtime_error(error);
-  return std::move(*child);
+  return or_throw(Child::start(launch));
 }
 
 std::string all_output(const Child& child) {
@@ -59,16 +57,15 @@ TEST(Child, AHeldSignalWaitsUntilTheProgramUnblocksIt) {
     ChildLaunch launch;
     launch.arguments = {"sh", "-c", "kill -USR1 $$; exit 7"};
     if (is_held) launch.held_signals = {SIGUSR1};
-    std::string error;
-    std::optional<Child> child = Child::start(launch, &error);
-    ASSERT_TRUE(child) << error;
+    Result<Child> child = Child::start(launch);
+    ASSERT_TRUE(child) << child.error_text();
     const ChildEnd end = child->reap();
     EXPECT_EQ(end.exited(), is_held) << end.describe();
   }
 }
 
 TEST(Child, IsLeftToBeReapedOnceItHasEnded) {
-  Child child = start_shell("read line; exit 0");  // its input is empty
+  Child child = start_shell("read line; exit 0");  // stdin is /dev/null: `read` ends at once
   all_output(child);
   ASSERT_TRUE(testing::happens([&child] { return child.has_ended(); }));
   EXPECT_TRUE(child.has_ended()) << "however often one asks";
@@ -91,13 +88,10 @@ TEST(Child, DiesWithItsOwnerAndSoDoesWhatItStarted) {
 }
 
 TEST(Child, WhatCannotBeExecutedIsNoChild) {
-  std::string error;
   ChildLaunch launch;
-  EXPECT_FALSE(Child::start(launch, &error));
-  EXPECT_EQ(error, "no program is named");
+  EXPECT_EQ(Child::start(launch).error_text(), "no program is named");
   launch.arguments = {"/etc/hostname-that-is-not-there"};
-  EXPECT_FALSE(Child::start(launch, &error));
-  EXPECT_THAT(error, HasSubstr("No such file"));
+  EXPECT_THAT(Child::start(launch).error_text(), HasSubstr("No such file"));
 }
 
 }  // namespace

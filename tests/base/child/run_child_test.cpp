@@ -31,7 +31,7 @@ class RunChildTest : public ::testing::Test {
     return command;
   }
   ChildResult run(const std::string& script) { return run_child(shell(script), never); }
-  // The first word of a file that a child writes by renaming.
+  // Waits until a child has written the file. Returns its first word.
   std::string wait_for_word(const std::string& name) {
     testing::happens([&] { return std::filesystem::exists(file(name)); });
     std::string word;
@@ -86,7 +86,7 @@ TEST_F(RunChildTest, ItIsStoppedWhenItDoesNothing) {
   EXPECT_EQ(idle.outcome, Outcome::kTimedOut);
   EXPECT_TRUE(idle.was_idle);
   EXPECT_THAT(idle.describe(), HasSubstr("it did nothing"));
-  // Who works is not idle, whatever ends it.
+  // A child that uses CPU time is not idle, even if its limit of CPU time ends it.
   command = shell("while :; do :; done");
   command.idle_limit_s = 30;
   command.cpu_limit_s = 0.2;
@@ -100,7 +100,7 @@ TEST_F(RunChildTest, ItIsStoppedAtItsLimitOfCpuTime) {
   EXPECT_EQ(busy.outcome, Outcome::kTimedOut);
   EXPECT_GE(busy.cpu_s, 0.2);
   EXPECT_THAT(busy.describe(), HasSubstr("of CPU time"));
-  // Waiting costs none.
+  // Sleeping uses no CPU time.
   command = shell("sleep 0.5");
   command.cpu_limit_s = 0.2;
   EXPECT_EQ(run_child(command, never).outcome, Outcome::kExited);
@@ -220,7 +220,7 @@ TEST_F(RunChildTest, ItsEnvironmentSaysHowManyThreads) {
 }
 
 TEST_F(RunChildTest, OurDescriptorsStayOurs) {
-  const int ours = fcntl(STDERR_FILENO, F_DUPFD, 100);  // survives exec, as LCM's do
+  const int ours = fcntl(STDERR_FILENO, F_DUPFD, 100);  // not close-on-exec, like LCM's
   ASSERT_GE(ours, 100);
   const std::string probe = "test -e /proc/$$/fd/" + std::to_string(ours);
   ASSERT_EQ(system(("sh -c '" + probe + "'").c_str()), 0);
@@ -263,7 +263,8 @@ TEST_F(RunChildTest, ItDoesNotIgnoreWhatWeIgnore) {
 
 TEST_F(RunChildTest, CpuTimeIsCounted) {
   EXPECT_GT(run("i=0; while [ $i -lt 100000 ]; do i=$((i+1)); done").cpu_s, 0.005);
-  EXPECT_GT(run("(i=0; while [ $i -lt 100000 ]; do i=$((i+1)); done) & wait").cpu_s, 0.005);  // its children's too
+  EXPECT_GT(run("(i=0; while [ $i -lt 100000 ]; do i=$((i+1)); done) & wait").cpu_s, 0.005);  // the time of its
+                                                                                              // children
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ TEST(CommandLineOfAProgram, AFileThatGrowsTooLargeIsAnErrorAndNotTheEnd) {
     setrlimit(RLIMIT_FSIZE, &limit);
     WholeFile file(folder / "too_large");
     file.write(std::string(1000, 'x'));
-    std::fputs(file.commit().c_str(), stderr);
+    std::fputs(file.commit().error_text().c_str(), stderr);
     std::_Exit(7);
   };
   EXPECT_EXIT(write_too_much(), ::testing::ExitedWithCode(7), "too_large: File too large");

@@ -38,7 +38,7 @@ TEST(FileLock, SaysWhyItCannotBeMade) {
   EXPECT_EQ(holder_of_lock(folder / "absent/lock"), std::nullopt);
 }
 
-// One that is held, and then removed, is not the one that has its name afterwards.
+// A lock on a removed file does not keep others from locking a new file of that name.
 TEST(FileLock, OfARemovedFileIsNobodys) {
   const testing::TemporaryFolder folder;
   const std::string file = folder / "lock";

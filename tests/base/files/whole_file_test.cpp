@@ -17,7 +17,7 @@ TEST(WholeFile, IsThereOnceItIsCommitted) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a"));
   WholeFile file(folder / "a");
   file.write("whole");
-  EXPECT_EQ(file.commit(), "");
+  EXPECT_EQ(file.commit().error_text(), "");
   EXPECT_EQ(testing::read_file(folder / "a"), "whole");
 }
 
@@ -27,7 +27,7 @@ TEST(WholeFile, WhatIsOverwrittenKeepsItsPlace) {
   file.write("head??tail");
   file.overwrite(4, "__");
   file.write(", end");
-  EXPECT_EQ(file.commit(), "");
+  EXPECT_EQ(file.commit().error_text(), "");
   EXPECT_EQ(testing::read_file(folder / "a"), "head__tail, end");
 }
 
@@ -36,8 +36,8 @@ TEST(WholeFile, TellsOfItsProblemAtOnce) {
   WholeFile file(folder / "no/such/folder");
   file.write("x");
   file.overwrite(0, "y");
-  EXPECT_THAT(file.problem(), ::testing::HasSubstr("No such file or directory"));
-  EXPECT_EQ(file.commit(), file.problem());
+  EXPECT_THAT(file.so_far().error_text(), ::testing::HasSubstr("No such file or directory"));
+  EXPECT_EQ(file.commit().error_text(), file.so_far().error_text());
 }
 
 }  // namespace

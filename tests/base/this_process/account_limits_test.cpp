@@ -23,7 +23,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// What `work` says in a child process that has this limit.
+// Returns what `work` returns in a child process under this limit.
 std::string under_limit(__rlimit_resource_t resource, rlim_t most, const std::function<std::string()>& work) {
   int ends[2];
   EXPECT_EQ(pipe(ends), 0);
@@ -58,7 +58,7 @@ TEST(AccountLimits, AFileAndADatabaseThatHitItSaySo) {
                           [&] {
                             WholeFile file(folder / "large");
                             file.write(std::string(300'000, 'x'));
-                            return file.commit();
+                            return file.commit().error_text();
                           }),
               AllOf(HasSubstr("cannot write "), HasSubstr("large"), HasSubstr("ulimit -f")));
   EXPECT_THAT(under_limit(RLIMIT_FSIZE, 100'000,

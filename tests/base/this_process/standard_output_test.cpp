@@ -13,7 +13,7 @@
 namespace rumi {
 namespace {
 
-// The exit code of a child process, whose stdout is that file; closed where there is none.
+// Returns the exit code of a child process whose stdout is the file, or closed if `file` is null.
 int in_child(const char* file, const std::function<int()>& work) {
   std::fflush(stdout);
   const pid_t child = fork();

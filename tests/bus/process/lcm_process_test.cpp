@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// run_process() as the user meets it: flags, messages, exit codes, signals. Run by tests/run_in_netns.sh.
+// Tests run_process() as a user meets it: flags, messages, exit codes, signals. Run by tests/run_in_netns.sh.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "base/or_throw.h"
 #include "bus/process/process.h"
 #include "bus/transport/lcm_bus.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
@@ -28,7 +29,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using Clock = std::chrono::steady_clock;
 
-// The test process with its output in a file.
+// Runs the test process with its output in a file.
 class Child {
  public:
   explicit Child(const std::vector<std::string>& arguments, const char* lcm_default_url = nullptr) {
@@ -69,13 +70,10 @@ class Child {
   bool ended_ = false;
 };
 
-// The other side: sends requests to a child and hears its answers and its status.
+// The other side of the bus: sends requests to a child and hears its answers and its status.
 class Peer {
  public:
-  explicit Peer(const ChannelNames& names = {}) {
-    std::string error;
-    bus_ = LcmBus::open(kDefaultLcmUrl, names, &error);
-    if (!bus_) throw std::runtime_error(error);
+  explicit Peer(const ChannelNames& names = {}) : bus_(or_throw(LcmBus::open(kDefaultLcmUrl, names))) {
     bus_->subscribe<map_request_t>(channels::kTrack, {}, [this](const map_request_t& m) { answer = m.request_id; });
     bus_->subscribe<process_status_t>(channels::kStatus, {}, [this](const process_status_t& m) {
       ++statuses;
@@ -84,7 +82,7 @@ class Peer {
     });
   }
   void publish_bytes(size_t size) { bus_->publish_raw(channels::kCamera, std::vector<uint8_t>(size)); }
-  // Asks until an answer comes (the child needs time to start).
+  // Asks until an answer comes, because the child needs time to start. Returns false if none comes.
   bool ask(int id) {
     answer = -1;
     return until([&] { return answer >= 0; }, [&] { request(id); });
@@ -118,7 +116,7 @@ TEST(RunProcessTest, HelpShowsEveryFlagAndDefault) {
   Child expert({"--help-expert"});
   EXPECT_EQ(expert.wait(), 0);
   EXPECT_THAT(expert.output(), AllOf(HasSubstr("test_process.step = 1"), HasSubstr("test_process.spare = 0")));
-  // A default, as CLI11 2.1 or 2.4 writes it.
+  // The help shows a default as CLI11 2.1 or 2.4 writes it.
   EXPECT_THAT(child.output(), AnyOf(HasSubstr("--channel TEXT=CAMERA"), HasSubstr("--channel TEXT [CAMERA]")));
 }
 
@@ -207,7 +205,7 @@ TEST(RunProcessTest, OptionsAreReadAgainOnRequestAndBadOnesAreNotUsed) {
   child.signal(SIGUSR2);
   EXPECT_TRUE(said_until("step is 13: unlucky"));
   EXPECT_TRUE(asked_until(200));
-  write("{}\n");  // what is not said any more has its default again
+  write("{}\n");  // an option that the file no longer names has its default again
   child.signal(SIGUSR2);
   EXPECT_TRUE(asked_until(1));
 }
@@ -219,7 +217,7 @@ TEST(RunProcessTest, PrefixAndCameraChannel) {
 }
 
 TEST(RunProcessTest, SaysThatItsReceiveBufferWasFull) {
-  constexpr int kMessages = 300, kBytes = 300'000;  // more than any buffer that it could have
+  constexpr int kMessages = 300, kBytes = 300'000;  // bytes; together more than any receive buffer that it could have
   Peer peer;
   Child child({});
   ASSERT_TRUE(peer.ask(1)) << child.output();
@@ -231,7 +229,7 @@ TEST(RunProcessTest, SaysThatItsReceiveBufferWasFull) {
   EXPECT_THAT(child.output(), HasSubstr("sudo sysctl -w net.core.rmem_max="));
 }
 
-// As of a procman deputy, which is on LCM too, and whose sockets its children inherit.
+// The socket is like one of a procman deputy, which is on LCM too, and whose children inherit its sockets.
 TEST(RunProcessTest, WhatAnInheritedSocketLosesIsNotItsLoss) {
   const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
   sockaddr_in address{};
@@ -241,7 +239,7 @@ TEST(RunProcessTest, WhatAnInheritedSocketLosesIsNotItsLoss) {
   ASSERT_EQ(bind(socket, reinterpret_cast<sockaddr*>(&address), length), 0);
   ASSERT_EQ(getsockname(socket, reinterpret_cast<sockaddr*>(&address), &length), 0);
   const std::vector<uint8_t> data(60'000);
-  for (int i = 0; i < 100; ++i)  // nobody reads
+  for (int i = 0; i < 100; ++i)  // nobody reads them, so they are lost
     sendto(socket, data.data(), data.size(), 0, reinterpret_cast<sockaddr*>(&address), length);
   Peer peer;
   Child child({});
@@ -258,7 +256,7 @@ TEST(RunProcessTest, EndsByItselfWhenTheNodeIsDone) {
   EXPECT_EQ(child.wait(), 0);
 }
 
-// Those five seconds begin anew with whatever it hands on: see below.
+// The five seconds begin anew whenever the node hands something on: see below.
 TEST(RunProcessTest, ANodeThatDoesNotFinishGoesOnForFiveSecondsAndEnds) {
   Peer peer;
   Child child({"--never-finished"});

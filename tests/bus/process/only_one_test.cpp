@@ -21,7 +21,7 @@ constexpr int64_t kBeginUs = 1'000'000'000;
 class OnlyOneTest : public testing::Test {
  protected:
   OnlyOneTest() { bus_.set_now_us(kBeginUs); }
-  // A status of a process on another computer, that began so long ago.
+  // Returns the status of a process on another computer that began `age_us` ago.
   process_status_t other(const std::string& process, int64_t age_us) const {
     process_status_t status = starting_status(process, bus_.now_us(), bus_.now_us() - age_us);
     status.state = process_status_t::RUNNING;

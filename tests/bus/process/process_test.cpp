@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of process.h needs no network; the rest is in lcm_process_test.cpp.
+// Tests the parts of process.h that need no network; lcm_process_test.cpp has the others.
 #include "bus/process/process.h"
 
 #include <gmock/gmock.h>

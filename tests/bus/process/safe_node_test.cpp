@@ -22,7 +22,7 @@ class BrokenNode : public Node {
     ++ticks;
     if (ticks_break) throw std::runtime_error("a wheel is missing");
   }
-  int64_t next_tick_us(int64_t now_us) const override { return now_us; }  // at once
+  int64_t next_tick_us(int64_t now_us) const override { return now_us; }  // the node wants its tick at once
   NodeStatus status() override {
     if (status_breaks) throw std::runtime_error("no words");
     return {"on its way", false, 42, 1.5};
@@ -34,7 +34,7 @@ class BrokenNode : public Node {
 
 class SafeNodeTest : public testing::Test {
  protected:
-  // A second as run_process does it: as often as the node wants.
+  // Runs the node for a second as run_process() does: with as many ticks as it wants.
   void run_for_a_second() {
     for (const int64_t end_us = now_us_ + 1'000'000; now_us_ < end_us;) {
       now_us_ = std::max(now_us_ + 1'000, safe_.next_tick_us(now_us_));
@@ -91,7 +91,7 @@ TEST_F(SafeNodeTest, TheOtherStepsAreSafeToo) {
   EXPECT_EQ(status.detail, "a step broke off (3 so far): no words");
 }
 
-// A handler that always throws: the messages are not to blame, the log has one line a minute.
+// The handler throws for each message. The messages do not count as undecodable, and the log has one line a minute.
 TEST_F(SafeNodeTest, AHandlerThatThrowsIsToldInTheStatusAndOnceInTheLog) {
   bus_.subscribe<map_request_t>("A", {}, [](const map_request_t&) { throw std::runtime_error("no hands"); });
   testing::internal::CaptureStderr();

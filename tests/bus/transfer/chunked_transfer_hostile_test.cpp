@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Chunks and answers that are broken, or sent by somebody who means no good.
+// Sends chunks and answers that are broken, or that come from an attacker.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,14 +32,14 @@ TEST_F(HostileTransferTest, ImplausibleHeadersAreIgnored) {
            chunk(0, -5, 3000, 1000),                   //
            chunk(0, 1, -1, 0),                         // total
            chunk(0, 1, int64_t{1} << 62, 1000),        //
-           chunk(0, 1 << 30, int64_t{1} << 40, 1024),  // more than is allowed
+           chunk(0, 1 << 30, int64_t{1} << 40, 1024),  // more bytes than are allowed
            chunk(0, 1, 3000, 1000),                    // sizes that do not add up
            chunk(0, 3, 1000, 1000),                    //
            chunk(0, 3, 2000, 1000),                    //
            chunk(1, 3, 3001, 1000),                    //
            chunk(2, 3, 2501, 500),                     //
            chunk(0, 2, 10, 0),                         //
-           chunk(0, 3, 2997, 999),                     // chunks that cost more to keep than they bring
+           chunk(0, 3, 2997, 999),                     // chunks that are too small
            chunk(2, 3, 1990, 10),                      //
        }) {
     bus_.publish("DATA", c);
@@ -52,7 +52,7 @@ TEST_F(HostileTransferTest, ImplausibleHeadersAreIgnored) {
 }
 
 TEST_F(HostileTransferTest, AnnouncedSizesCostNoMemory) {
-  // 4 GB each; that much is not set aside for what was merely announced.
+  // Each transfer announces 4 GB, for which no memory may be reserved.
   const int32_t count = 71'000;
   for (int id = 0; id < 200; ++id) {
     chunk_t c = chunk(count - 2, count, int64_t{60'000} * count, 60'000);

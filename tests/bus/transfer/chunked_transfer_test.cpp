@@ -25,7 +25,7 @@ TEST_F(TransferTest, WithoutDisturbanceEachChunkIsSentOnce) {
   EXPECT_TRUE(results_[0].ok);
   EXPECT_EQ(results_[0].transfer_id, id);
   EXPECT_EQ(results_[0].revision, 17);
-  EXPECT_LE(messages_, 21 + 4);  // chunks and answers
+  EXPECT_LE(messages_, 21 + 4);  // messages: chunks and answers
 }
 
 TEST_F(TransferTest, AllSizesArriveThoughAThirdIsLostRepeatedAndReordered) {
@@ -58,7 +58,7 @@ TEST_F(TransferTest, ReceiversAreServedSideBySide) {
   sender_.send("nobody", 0, 0, payload(10), note());
   sender_.send("server", 0, 0, payload(20), note());
   sender_.send("other", 0, 0, payload(30), note());
-  sender_.send("", 0, 0, payload(40), note());  // whoever accepts it: the server
+  sender_.send("", 0, 0, payload(40), note());  // for any receiver that accepts it: the server
   step();
   EXPECT_EQ(other_sizes, std::vector<size_t>{30});
   ASSERT_EQ(received_.size(), 2u);
@@ -130,7 +130,7 @@ TEST_F(TransferTest, AClockThatJumpsIsNoReasonToGiveUp) {
   bus_.set_now_us(bus_.now_us() + 1'000'000'000);  // a gap in the log that is replayed
   sender_.tick(bus_.now_us());
   lose_ = 0;
-  bus_.set_now_us(5);  // and played from its beginning again
+  bus_.set_now_us(5);  // the log is played from its beginning again
   run();
   ASSERT_EQ(results_.size(), 1u);
   EXPECT_TRUE(results_[0].ok);
@@ -189,7 +189,7 @@ TEST(TransferRestartTest, ARestartedReceiverGetsEverythingAgain) {
   };
   int chunks = 0;
   bus.set_tap([&](const std::string& channel, std::span<const uint8_t>) {
-    // The first receiver dies after 30 chunks; what is on its way is lost with it.
+    // The first receiver dies after 30 chunks; messages that are on their way are lost with it.
     if (channel == "DATA" && ++chunks > 30) first_is_alive = false;
     return first_is_alive || receivers.size() > 1;
   });
@@ -199,7 +199,7 @@ TEST(TransferRestartTest, ARestartedReceiverGetsEverythingAgain) {
   ASSERT_FALSE(first_is_alive);
   ASSERT_TRUE(got.empty());
 
-  MemoryBus second_bus;  // the old receiver hears nothing any more: its subscription cannot be undone
+  MemoryBus second_bus;  // the old receiver must hear nothing more, and its subscription cannot be undone
   second_bus.set_now_us(bus.now_us());
   ChunkReceiver second(second_bus, "DATA", "ACK", "server", false, handler);
   bus.set_tap([&](const std::string& channel, std::span<const uint8_t> data) {

@@ -50,7 +50,7 @@ class TransferTest : public testing::Test {
     sender_.tick(bus_.now_us());
     if (receiver_) receiver_->tick(bus_.now_us());
   }
-  // Steps until nothing is pending; how many steps it took.
+  // Steps until nothing is pending. Returns the number of steps.
   int run(int at_most = 2000) {
     int steps = 0;
     while (sender_.pending() > 0 && steps < at_most) step(), ++steps;

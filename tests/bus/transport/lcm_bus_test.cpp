@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// LcmBus on real multicast; run by tests/run_in_netns.sh.
+// Tests LcmBus on real multicast; run by tests/run_in_netns.sh.
 #include "bus/transport/lcm_bus.h"
+#include "base/or_throw.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,10 +28,7 @@ using testing::happens;
 using testing::kPatience;
 
 std::unique_ptr<LcmBus> open_bus(const ChannelNames& names = {}) {
-  std::string error;
-  std::unique_ptr<LcmBus> bus = LcmBus::open(kDefaultLcmUrl, names, &error);
-  if (!bus) throw std::runtime_error(error);
-  return bus;
+  return or_throw(LcmBus::open(kDefaultLcmUrl, names));
 }
 
 map_request_t request(int32_t id) {
@@ -43,7 +41,7 @@ bool dispatch_until(Bus& bus, const std::function<bool()>& done) {
   return happens(done, [&bus] { bus.dispatch(10); });
 }
 
-// Waits until that many messages have arrived, handled or not.
+// Waits until `count` messages have arrived, handled or not. Returns false if they do not come.
 bool wait_for_received(const Bus& bus, int64_t count) {
   return happens([&] {
     int64_t sum = 0;
@@ -189,7 +187,7 @@ TEST(LcmBusTest, EndsInTheMiddleOfAFlood) {
     receiver->subscribe<map_request_t>("A", {.capacity = 2}, [](const map_request_t&) {});
     EXPECT_TRUE(wait_for_received(*receiver, 20));
     receiver->dispatch(0);
-    receiver.reset();  // does not wait for the end of the flood, which comes afterwards
+    receiver.reset();  // must not wait for the end of the flood, which comes later
   }
   stop = true;
   flood.join();
@@ -233,20 +231,17 @@ TEST(LcmBusTest, ALargePayloadArrivesInChunks) {
 }
 
 TEST(LcmBusTest, WithoutARouteItSaysWhatToDo) {
-  std::string error;
-  EXPECT_EQ(LcmBus::open("udpm://239.255.76.99:7667?ttl=0", {}, &error), nullptr);
+  const std::string error = LcmBus::open("udpm://239.255.76.99:7667?ttl=0", {}).error_text();
   EXPECT_THAT(error, HasSubstr("cannot be used: Network is unreachable"));
   EXPECT_THAT(error, HasSubstr("sudo ip link set lo multicast on"));
   EXPECT_THAT(error, HasSubstr("sudo ip route add 239.255.76.99/32 dev lo"));
-  EXPECT_EQ(LcmBus::open("nonsense://x", {}, &error), nullptr);
-  EXPECT_THAT(error, HasSubstr("Expected an LCM URL"));
+  EXPECT_THAT(LcmBus::open("nonsense://x", {}).error_text(), HasSubstr("Expected an LCM URL"));
 }
 
-// LCM itself ends the process where a server of tcpq is missing, and memq and file reach nobody else.
+// LCM itself ends the process if a server of tcpq is missing; memq and file reach no other process.
 TEST(LcmBusTest, BusesThatAreNoneForSeveralProcessesAreRefusedByName) {
   const auto why = [](const std::string& url) {
-    std::string error;
-    EXPECT_EQ(LcmBus::open(url, {}, &error), nullptr);
+    const std::string error = LcmBus::open(url, {}).error_text();
     EXPECT_THAT(error, HasSubstr("the LCM URL " + url + " is not used: "));
     EXPECT_THAT(error, HasSubstr("udpm://239.255.76.67:7667?ttl=0"));
     EXPECT_THAT(error, Not(HasSubstr("route")));
@@ -260,8 +255,7 @@ TEST(LcmBusTest, BusesThatAreNoneForSeveralProcessesAreRefusedByName) {
 
 TEST(LcmBusTest, AnAddressThatIsNoMulticastAddressIsRefusedByName) {
   for (const char* address : {"10.0.0.5", "127.0.0.1", "192.168.1.255", "240.0.0.1", "localhost", "239.255.76"}) {
-    std::string error;
-    EXPECT_EQ(LcmBus::open(std::string("udpm://") + address + ":7667?ttl=0", {}, &error), nullptr);
+    const std::string error = LcmBus::open(std::string("udpm://") + address + ":7667?ttl=0", {}).error_text();
     EXPECT_THAT(error, HasSubstr(std::string(address) + " is no multicast address (224.0.0.0 to 239.255.255.255)"));
     EXPECT_THAT(error, Not(HasSubstr("route")));
   }
@@ -270,16 +264,14 @@ TEST(LcmBusTest, AnAddressThatIsNoMulticastAddressIsRefusedByName) {
 TEST(LcmBusTest, AUrlWithoutAPortIsRefusedAtOnce) {
   for (const char* url : {"udpm://239.255.76.67?ttl=0", "udpm://239.255.76.67:?ttl=0", "udpm://239.255.76.67:99999",
                           "udpm://239.255.76.67:0", "udpm://239.255.76.67:port"}) {
-    std::string error;
-    EXPECT_EQ(LcmBus::open(url, {}, &error), nullptr);
-    EXPECT_THAT(error, HasSubstr("has no port from 1 to 65535; a usual one is udpm://239.255.76.67:7667?ttl=0"));
+    EXPECT_THAT(LcmBus::open(url, {}).error_text(),
+                HasSubstr("has no port from 1 to 65535; a usual one is udpm://239.255.76.67:7667?ttl=0"));
   }
 }
 
 TEST(LcmBusTest, NamesTooLongForLcmAreRefusedAtOnce) {
-  std::string error;
-  EXPECT_EQ(LcmBus::open(kDefaultLcmUrl, {std::string(60, 'x'), "CAMERA"}, &error), nullptr);
-  EXPECT_THAT(error, HasSubstr("at most 63 characters"));
+  EXPECT_THAT(LcmBus::open(kDefaultLcmUrl, {std::string(60, 'x'), "CAMERA"}).error_text(),
+              HasSubstr("at most 63 characters"));
 }
 
 }  // namespace

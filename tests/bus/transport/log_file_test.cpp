@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 class LogTest : public ::testing::Test {
  protected:
   std::string file(const std::string& name = "x.log") const { return folder_ / name; }
-  // Ten events on two channels, 1 s apart.
+  // Writes ten events on two channels, 1 s apart.
   void write_ten() {
     LogWriter writer(file());
     for (int i = 0; i < 10; ++i)

@@ -65,7 +65,8 @@ TEST(MemoryBusTest, TheTapSeesAndLosesMessages) {
   EXPECT_EQ(bus.published(), 5);
 }
 
-// As the generated code behaves beyond 2 GiB: the size has wrapped around, or there is no room for what follows.
+// Behaves like generated code with a message beyond 2 GiB: its size has wrapped around, so that it is negative or too
+// small for the encoding.
 struct HugeMessage {
   int size = 0;
   int getEncodedSize() const { return size; }

@@ -21,28 +21,25 @@ bool same(const cv::Mat& a, const cv::Mat& b) {
 }
 
 std::string error_of(const image_t& image) {
-  std::string error;
-  EXPECT_TRUE(decode_grey(image, &error).empty());
-  EXPECT_FALSE(error.empty());
-  return error;
+  const Result<cv::Mat> decoded = decode_grey(image);
+  EXPECT_FALSE(decoded);
+  return decoded.error_text();
 }
 
 TEST(ImageCodec, RoundTrips) {
-  std::string error;
-  EXPECT_TRUE(same(decode_grey(make_grey_image(5, picture(1)), &error), picture(1)));
+  EXPECT_TRUE(same(decode_grey(make_grey_image(5, picture(1))).value(), picture(1)));
   const cv::Mat colour = picture(2, 64, 48, true);
-  EXPECT_TRUE(same(decode_bgr(make_rgb_image(5, colour), &error), colour));
-  // A part of a larger picture: rows that do not follow each other in memory.
+  EXPECT_TRUE(same(decode_bgr(make_rgb_image(5, colour)).value(), colour));
+  // A part of a larger picture, whose rows do not follow each other in memory.
   const cv::Mat part = picture(3)(cv::Rect(5, 7, 31, 20));
-  EXPECT_TRUE(same(decode_grey(make_grey_image(5, part), &error), part));
+  EXPECT_TRUE(same(decode_grey(make_grey_image(5, part)).value(), part));
   EXPECT_EQ(make_rgb_image(5, colour).data[0], colour.at<cv::Vec3b>(0, 0)[2]);
 }
 
 TEST(ImageCodec, JpegDecodesAsOpenCvDoes) {
-  std::string error;
   const image_t jpeg = make_jpeg_image(7, picture(1, 65, 47, true), 90);
-  EXPECT_TRUE(same(decode_grey(jpeg, &error), cv::imdecode(jpeg.data, cv::IMREAD_GRAYSCALE)));
-  EXPECT_TRUE(same(decode_bgr(jpeg, &error), cv::imdecode(jpeg.data, cv::IMREAD_COLOR)));
+  EXPECT_TRUE(same(decode_grey(jpeg).value(), cv::imdecode(jpeg.data, cv::IMREAD_GRAYSCALE)));
+  EXPECT_TRUE(same(decode_bgr(jpeg).value(), cv::imdecode(jpeg.data, cv::IMREAD_COLOR)));
   EXPECT_EQ(jpeg.utime, 7);
   EXPECT_EQ(jpeg.row_stride, 0);
 }
@@ -53,9 +50,7 @@ TEST(ImageCodec, YuyvAndPaddedRows) {
   image.row_stride = 6;
   image.data = {10, 128, 20, 128, 0, 0, 30, 128, 40, 128};  // the last row without its padding
   image.size = 10;
-  std::string error;
-  const cv::Mat grey = decode_grey(image, &error);
-  ASSERT_EQ(error, "");
+  const cv::Mat grey = decode_grey(image).value();
   EXPECT_EQ(grey.at<uint8_t>(1, 1), 40);
   EXPECT_EQ(grey.at<uint8_t>(0, 1), 20);
 }
@@ -99,21 +94,19 @@ TEST(ImageCodec, DamagedJpegIsRefusedSilently) {
   image_t padded = good;
   padded.data.resize(padded.data.size() + 100, 0);
   padded.size = static_cast<int32_t>(padded.data.size());
-  std::string error;
-  EXPECT_FALSE(decode_grey(padded, &error).empty()) << error;
+  EXPECT_EQ(decode_grey(padded).error_text(), "");
 }
 
 TEST(ImageCodec, RandomDamageNeverCrashes) {
   std::mt19937 random(1);
   const image_t good = make_jpeg_image(0, picture(1), 90);
-  std::string error;
   for (int i = 0; i < 2000; ++i) {
     image_t bad = good;
     for (int k = 0; k < 3; ++k) bad.data[random() % bad.data.size()] = static_cast<uint8_t>(random());
     if (i % 2 == 0) bad.data.resize(random() % bad.data.size());
     bad.size = static_cast<int32_t>(bad.data.size());
-    const cv::Mat out = decode_grey(bad, &error);
-    EXPECT_TRUE(out.empty() ? !error.empty() : out.size() == cv::Size(64, 48));
+    const Result<cv::Mat> out = decode_grey(bad);
+    EXPECT_TRUE(!out || out->size() == cv::Size(64, 48));
   }
 }
 
@@ -138,9 +131,7 @@ TEST(ImageCodec, ReducedImagesLookLikeTheWhole) {
   cv::cvtColor(grey, bgr, cv::COLOR_GRAY2BGR);
   for (const image_t& image : {make_grey_image(1, grey), make_rgb_image(1, bgr), make_jpeg_image(1, grey, 95)}) {
     for (const int reduction : {1, 2, 4, 8}) {
-      std::string error;
-      const cv::Mat reduced = decode_reduced_grey(image, reduction, &error);
-      ASSERT_EQ(error, "");
+      const cv::Mat reduced = decode_reduced_grey(image, reduction).value();
       ASSERT_EQ(reduced.size(), cv::Size((67 + reduction - 1) / reduction, (51 + reduction - 1) / reduction));
       EXPECT_NEAR(cv::mean(reduced)[0], cv::mean(grey)[0], 2 + reduction) << reduction;
       EXPECT_NEAR(reduced.at<uint8_t>(24 / reduction, 32 / reduction), 2 * 32 + 24, 2 * reduction + 4) << reduction;
@@ -149,10 +140,8 @@ TEST(ImageCodec, ReducedImagesLookLikeTheWhole) {
   image_t truncated = make_jpeg_image(1, grey);
   truncated.data.resize(truncated.data.size() / 2);
   truncated.size = static_cast<int32_t>(truncated.data.size());
-  std::string error;
-  EXPECT_TRUE(decode_reduced_grey(truncated, 4, &error).empty());
-  EXPECT_NE(error, "");
-  EXPECT_TRUE(decode_reduced_grey(image_t{}, 4, nullptr).empty());
+  EXPECT_FALSE(decode_reduced_grey(truncated, 4));
+  EXPECT_FALSE(decode_reduced_grey(image_t{}, 4));
 }
 
 }  // namespace

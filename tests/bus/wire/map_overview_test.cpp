@@ -8,7 +8,7 @@
 namespace rumi {
 namespace {
 
-// A page of a map of `in_all` front submaps.
+// Returns a page that lists `submaps`, of a map with `in_all` front submaps.
 map_status_t page(int in_all, const std::vector<int>& submaps, int64_t map_revision = 1) {
   map_status_t status{};
   status.map_revision = map_revision;

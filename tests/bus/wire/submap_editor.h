@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Submaps made by random changes, of the kinds that front_tracker and map_server make.
+// Makes submaps by random changes, of the kinds that front_tracker and map_server make.
 #pragma once
 
 #include <memory>
@@ -117,13 +117,11 @@ class SubmapEditor {
   }
   void move() {
     ++submap.revision;
-    Keyframe& kf = *submap.keyframe(pick(submap.keyframes));
-    kf.cam_from_submap = pose();
-    submap.touch(kf);
+    const int keyframe = pick(submap.keyframes);
+    submap.move_keyframe(keyframe, pose());
     if (submap.landmarks.empty()) return;
-    Landmark& lm = *submap.landmark(pick(submap.landmarks));
-    lm.position.x() += real();
-    submap.touch(lm);
+    const int landmark = pick(submap.landmarks);
+    submap.move_landmark(landmark, submap.landmark(landmark)->position + Eigen::Vector3d(real(), 0, 0));
   }
   void forget() {
     if (submap.landmarks.empty()) return;

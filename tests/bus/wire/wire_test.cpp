@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The wire types: their fingerprints, and that no message, however broken, harms the receiver.
+// Tests the types of messages: their fingerprints, and that no message, however broken, harms the receiver.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -24,9 +24,9 @@
 namespace rumi {
 namespace {
 
-constexpr int kBrokenMessages = 10'000;  // of each type
+constexpr int kBrokenMessages = 10'000;  // broken messages of each type
 
-// Whoever changes a type changes the wire: old logs and running processes will not be understood.
+// A change of a type changes the wire: old logs and running processes would not be understood any more.
 TEST(WireTest, FingerprintsOfBotCore) {
   EXPECT_EQ(static_cast<uint64_t>(image_t::getHash()), 0x14739ffe13d5f5f0u);
   EXPECT_EQ(static_cast<uint64_t>(rigid_transform_t::getHash()), 0xea9ffbf2acc5c5aeu);
@@ -68,7 +68,7 @@ T small() {
   return T{};  // all numbers 0, all strings and arrays empty
 }
 
-// A message of each type with something in its strings and arrays.
+// Returns a message of the type with something in its strings and arrays.
 template <class T>
 T sample();
 
@@ -181,7 +181,8 @@ process_status_t sample() {
   return m;
 }
 
-// Truncated, lengthened, with random bytes, or nothing but random bytes behind the right fingerprint.
+// Returns the message truncated, lengthened, with random bytes, or with nothing but random bytes behind the right
+// fingerprint.
 std::vector<uint8_t> broken(const std::vector<uint8_t>& good, std::mt19937* random) {
   std::vector<uint8_t> bytes = good;
   const auto byte = [&] { return static_cast<uint8_t>((*random)()); };
@@ -214,7 +215,7 @@ TYPED_TEST(BrokenMessages, AreCountedAndHarmNothing) {
   int handled = 0;
   bus.subscribe<TypeParam>("X", {}, [&](const TypeParam& message) {
     ++handled;
-    // What was accepted is whole: it can be encoded again.
+    // An accepted message is whole: it can be encoded again.
     EXPECT_GT(encode_message(message).size(), 0u);
   });
   const std::vector<uint8_t> good = encode_message(sample<TypeParam>());
@@ -258,7 +259,7 @@ TEST(WireTest, HostileLengthsAllocateNothing) {
 TEST(WireTest, LengthsOfStructArraysAreBoundedByTheirSizeOnTheWire) {
   submap_update_t update = small<submap_update_t>();
   std::vector<uint8_t> bytes = encode_message(update);
-  bytes.resize(bytes.size() + 1'000'000);  // room for 1,000,000 elements of one byte, not of 60 or more
+  bytes.resize(bytes.size() + 1'000'000);  // enough for a million elements of 1 byte, but not of 60 or more
   const size_t nfeatures = 8 + 8 + 4 + 1 + 1 + 8 + 8 + 4 + 1;
   const uint32_t length = 900'000;
   for (int i = 0; i < 4; ++i) bytes[nfeatures + i] = static_cast<uint8_t>(length >> (24 - 8 * i));

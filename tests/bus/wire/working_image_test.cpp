@@ -38,7 +38,7 @@ TEST(WorkingImage, TheLongerSideCounts) {
   EXPECT_EQ(tall.height, 960);
 }
 
-// A ray that the full camera sees at a blob, the working camera sees at that blob too.
+// The full camera sees a blob along some ray: along the same ray the working camera must see it in the smaller image.
 TEST(WorkingImage, CameraAndImageGoTogether) {
   struct Case {
     int width, height, max_side;
@@ -50,9 +50,7 @@ TEST(WorkingImage, CameraAndImageGoTogether) {
     cv::Mat picture(c.height, c.width, CV_8U, cv::Scalar(0));
     cv::circle(picture, at, 12, cv::Scalar(255), cv::FILLED, cv::LINE_AA);
     for (const image_t& message : {make_grey_image(1, picture), make_jpeg_image(1, picture, 98)}) {
-      std::string error;
-      const cv::Mat seen = decode_working_image(message, camera, working, &error);
-      ASSERT_EQ(error, "");
+      const cv::Mat seen = decode_working_image(message, camera, working).value();
       ASSERT_EQ(seen.size(), cv::Size(working.width, working.height));
       cv::Mat blob;
       cv::threshold(seen, blob, 30, 255, cv::THRESH_TOZERO);
@@ -66,17 +64,14 @@ TEST(WorkingImage, CameraAndImageGoTogether) {
 
 TEST(WorkingImage, TellsWhatIsWrong) {
   const Camera camera = camera_of(1280, 720), working = working_camera(camera, 640);
-  std::string error;
-  EXPECT_TRUE(
-      decode_working_image(make_grey_image(1, cv::Mat::zeros(480, 640, CV_8U)), camera, working, &error).empty());
+  const image_t other = make_grey_image(1, cv::Mat::zeros(480, 640, CV_8U));
+  const std::string error = decode_working_image(other, camera, working).error_text();
   EXPECT_THAT(error, HasSubstr("640x480"));
   EXPECT_THAT(error, HasSubstr("1280x720"));
   image_t cut = make_jpeg_image(1, cv::Mat::zeros(720, 1280, CV_8U));
   cut.data.resize(cut.data.size() / 2);
   cut.size = static_cast<int32_t>(cut.data.size());
-  error.clear();
-  EXPECT_TRUE(decode_working_image(cut, camera, working, &error).empty());
-  EXPECT_NE(error, "");
+  EXPECT_FALSE(decode_working_image(cut, camera, working));
 }
 
 }  // namespace

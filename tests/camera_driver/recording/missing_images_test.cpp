@@ -11,7 +11,7 @@ namespace {
 
 constexpr int64_t kPeriodUs = 33'333;
 
-// Of 300 images at 30 Hz, with a jitter of 2 ms.
+// Returns those of 300 images for which `is_there` is true, at 30 Hz with a jitter of 2 ms.
 std::vector<OrderedFrame> frames(const std::function<bool(int)>& is_there) {
   std::mt19937 rng(1);
   std::uniform_int_distribution<int64_t> jitter(-2000, 2000);

@@ -8,7 +8,8 @@ namespace {
 
 constexpr int64_t kOffsetUs = 1'700'000'000'000'000, kSecondUs = 1'000'000;
 
-// A frame stamped at `t` of the monotonic clock and dequeued 10 ms later, the system clock being `shift_us` off.
+// Returns the stamps of a frame that has the time `t` of the monotonic clock and is dequeued 10 ms later, while the
+// system clock is off by `shift_us`.
 FrameStamps frame(int64_t t, int64_t shift_us = 0) {
   FrameStamps stamps;
   stamps.stamp_us = t;

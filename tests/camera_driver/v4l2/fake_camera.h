@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A V4L2 device that does what a test tells it, with a clock that only moves when somebody waits.
+// A V4L2 device that does what a test tells it. Its clock moves only when somebody waits.
 #pragma once
 
 #include <linux/videodev2.h>
@@ -17,15 +17,15 @@
 namespace rumi::testing {
 using namespace rumi::camera_driver;
 
-// What comes next out of VIDIOC_DQBUF.
+// A result of VIDIOC_DQBUF: a frame or an error.
 struct FakeFrame {
   std::vector<uint8_t> data;
   uint32_t sequence = 0;
   int64_t stamp_us = 0;
   uint32_t flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
-  int error = 0;             // instead of a frame
-  int64_t arrives_us = 0;    // not before; 0: at once
-  uint32_t wrong_index = 0;  // not 0: this buffer, which there is not
+  int error = 0;             // errno that comes instead of the frame; 0: no error
+  int64_t arrives_us = 0;    // the frame does not come before this time; 0: at once
+  uint32_t wrong_index = 0;  // number of a buffer that does not exist, to be given instead; 0: the right one
 };
 
 struct FakeControl {
@@ -33,7 +33,7 @@ struct FakeControl {
   int32_t min = 0, max = 1, value = 0;
   uint32_t type = V4L2_CTRL_TYPE_INTEGER;
   uint32_t flags = 0;
-  std::vector<int32_t> menu = {};  // choices
+  std::vector<int32_t> menu = {};  // values that can be chosen
 };
 
 class FakeCamera : public VideoSystem {
@@ -43,19 +43,19 @@ class FakeCamera : public VideoSystem {
     std::vector<std::pair<uint32_t, uint32_t>> sizes;
     uint32_t rate_hz;
   };
-  // The device.
+  // Properties of the device.
   std::string path = "/dev/video0", card = "Fake Webcam";
   uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   std::vector<Format> formats = {{V4L2_PIX_FMT_GREY, {{64, 48}}, 30}};
   std::map<uint32_t, FakeControl> controls;
-  // What it does.
+  // Behaviour of the device.
   std::deque<FakeFrame> frames;
   int open_error = 0;
   std::map<unsigned long, int> errors;                                // errno by request
   std::function<void(unsigned long request, void* argument)> tamper;  // after a request that went well
   uint32_t buffer_bytes = 64 * 48 * 3;
   Clocks clocks{1'000'000'000, 1'700'000'000'000'000};
-  // What was done to it.
+  // Records of how the device was used.
   int open_count = 0, mapped_count = 0, opened_times = 0;
   bool streaming = false;
   std::set<uint32_t> queued;
@@ -64,7 +64,7 @@ class FakeCamera : public VideoSystem {
 
   int64_t offset_us() const { return clocks.system_us - clocks.monotonic_us; }
   void advance(int64_t us) { clocks.monotonic_us += us, clocks.system_us += us, waited_us += us; }
-  // Frames 1/30 s apart, the first one stamped now, each arriving 10 ms after its stamp.
+  // Adds frames 1/30 s apart. The first one is stamped now, and each arrives 10 ms after its stamp.
   void add_frames(int n, uint32_t sequence, const std::vector<uint8_t>& data) {
     for (int i = 0; i < n; ++i) {
       FakeFrame frame{data, sequence + static_cast<uint32_t>(i), clocks.monotonic_us + i * 33'333};

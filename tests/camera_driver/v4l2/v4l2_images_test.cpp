@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The images of a camera: their pixels and times, and which of them are left out.
+// Tests the images of a camera: their pixels and times, and which of them are left out.
 #include <gmock/gmock.h>
 
 #include "bus/wire/image_codec.h"
@@ -52,7 +52,7 @@ TEST_F(V4l2SourceTest, CarriesTheMaskThatIsGivenOrThatTheCalibrationNames) {
     fake_.add_frames(1, 0, grey_frame(1));
     const std::vector<image_t> images = images_within(50'000);
     source_.reset();
-    return images.empty() ? "no image" : metadata(images[0], kMaskKey);
+    return std::string(images.empty() ? "no image" : metadata(images[0], kMaskKey));
   };
   EXPECT_EQ(mask_of_an_image(), "");
   options_.mask = folder / "m.png";
@@ -77,7 +77,7 @@ TEST_F(V4l2SourceTest, GapsInTheNumberingAreCountedAcrossItsWrapAround) {
   for (FakeFrame& frame : fake_.frames) frame.arrives_us = 0;
   fake_.advance(1'000'000);
   EXPECT_EQ(images_within(100'000).size(), 6u);
-  EXPECT_EQ(source_->skipped().lost, 3 + 13);  // beginning again at 0 is no gap
+  EXPECT_EQ(source_->skipped().lost, 3 + 13);  // a numbering that begins again at 0 is no gap
   EXPECT_THAT(source_->skipped().to_string(), HasSubstr("16 lost by the camera or its driver"));
 }
 
@@ -136,7 +136,7 @@ TEST_F(V4l2SourceTest, ShortDamagedAndCorruptImagesAreLeftOutAndCounted) {
   fake_.frames[5].flags |= V4L2_BUF_FLAG_ERROR;
   const std::vector<image_t> images = images_within(200'000);
   ASSERT_EQ(images.size(), 2u);
-  EXPECT_EQ(images[0].data, good);  // to the byte: not decoded
+  EXPECT_EQ(images[0].data, good);  // the same bytes: the JPEG is not decoded
   EXPECT_EQ(images[0].pixelformat, image_t::PIXEL_FORMAT_MJPEG);
   EXPECT_EQ(source_->skipped().unreadable, 5);
 }
@@ -148,7 +148,7 @@ TEST_F(V4l2SourceTest, RawImagesThatAreTooShortAreLeftOut) {
   EXPECT_EQ(source_->skipped().unreadable, 1);
 }
 
-// bytesused may claim more than there is memory.
+// bytesused may claim more bytes than the buffer has.
 TEST_F(V4l2SourceTest, MoreBytesThanTheBufferHasAreNotRead) {
   fake_.buffer_bytes = 1000;
   ASSERT_EQ(open(), "");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A camera that goes wrong in ways in which a kernel cannot be made to.
+// Fixture with a fake camera, which fails in ways in which the kernel cannot be made to fail.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -39,13 +39,13 @@ class V4l2SourceTest : public ::testing::Test {
     EXPECT_EQ(fake_.open_count, 0);
     EXPECT_EQ(fake_.mapped_count, 0);
   }
-  // Why it did not open, or an empty string.
+  // Opens the camera. Returns why it cannot be used, or an empty string.
   std::string open(const std::string& input = "/dev/video0") {
     OpenedSource opened = open_camera(fake_, input, options_);
-    source_ = std::move(opened.source);
-    return opened.error;
+    source_ = opened ? std::move(*opened) : nullptr;
+    return opened.error_text();
   }
-  // All images that come within so much of the fake's time.
+  // Returns all images that come within `us` of the fake's time.
   std::vector<image_t> images_within(int64_t us) {
     std::vector<image_t> images;
     const int64_t end = fake_.clocks.monotonic_us + us;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A camera that is opened, set, pulled out, and that comes back.
+// Tests a camera that is opened, set up, pulled out, and put in again.
 #include "camera_driver/v4l2/v4l2_source.h"
 
 #include <gmock/gmock.h>
@@ -31,7 +31,7 @@ TEST_F(V4l2SourceTest, ACameraThatIsPulledOutIsOpenedAgainWhenItIsBack) {
   EXPECT_THAT(images_within(60'000'000), IsEmpty());
   EXPECT_THAT(source_->live()->problem, HasSubstr("there is no such camera"));
   EXPECT_EQ(fake_.open_count, 0);
-  EXPECT_LT(fake_.opened_times, 20);  // it is not tried all the time
+  EXPECT_LT(fake_.opened_times, 20);  // it is tried now and then, not all the time
   EXPECT_GT(fake_.opened_times, 10);
   fake_.open_error = 0;
   fake_.add_frames(1, 0, grey_frame(2));
@@ -194,7 +194,7 @@ TEST_F(V4l2SourceTest, TheFormatThatReachesTheRateIsChosen) {
   EXPECT_EQ(chosen, V4L2_PIX_FMT_YUYV);
   options_.rate_hz = 60;
   ASSERT_EQ(open(), "");
-  EXPECT_EQ(chosen, V4L2_PIX_FMT_MJPEG);  // none reaches it: the fastest
+  EXPECT_EQ(chosen, V4L2_PIX_FMT_MJPEG);  // no format reaches the rate: the fastest is chosen
 }
 
 TEST_F(V4l2SourceTest, ControlsAreSetAtTheStartAndWhileItRuns) {
@@ -226,7 +226,7 @@ TEST_F(V4l2SourceTest, ControlsAreSetAtTheStartAndWhileItRuns) {
   changed.exposure = "auto";
   changed.gain = "1000";
   changed.white_balance = changed.power_line = "";
-  changed.controls = "brightnes=10";  // what cannot be done does not keep the rest from being done
+  changed.controls = "brightnes=10";  // one that cannot be set does not keep the others from being set
   changed.focus = "3";
   source_->set_controls(changed);
   EXPECT_THAT(fake_.set_controls, ElementsAre(Pair("Auto Exposure", 3)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A bag of some images and its playing.
+// Writes a bag with some images, and plays it.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -27,7 +27,7 @@ class Bags : public ::testing::Test {
                 const std::string& topic = "/cam0/camera_info") {
     add(topic, "sensor_msgs/CameraInfo", 0, testing::info_message(testing::is_ros2(kind), stamp_ns(0), info));
   }
-  // A calibration, and images among other messages.
+  // Adds a calibration, and images among other messages.
   void add_usual(const std::string& kind, int images) {
     messages_.clear();
     add_info(kind);
@@ -38,16 +38,16 @@ class Bags : public ::testing::Test {
   }
   std::string write(const std::string& kind) { return testing::write_bag(folder_.path().string(), kind, messages_); }
   OpenedSource open(const std::string& file) { return open_recording(file, options_); }
-  std::string error_of(const std::string& file) { return open(file).error; }
-  // Of a recording that can be opened.
+  std::string error_of(const std::string& file) { return open(file).error_text(); }
+  // Returns all images of a recording that can be opened.
   std::vector<image_t> play(const std::string& file) {
     const OpenedSource opened = open(file);
-    EXPECT_EQ(opened.error, "") << file;
+    EXPECT_EQ(opened.error_text(), "") << file;
     std::vector<image_t> images;
-    while (std::optional<image_t> image = opened.ok() ? opened.source->next() : std::nullopt)
+    while (std::optional<image_t> image = opened.has_value() ? (*opened)->next() : std::nullopt)
       images.push_back(std::move(*image));
-    if (opened.ok()) skipped_ = opened.source->skipped();
-    if (opened.ok()) camera_ = opened.source->camera();
+    if (opened.has_value()) skipped_ = (*opened)->skipped();
+    if (opened.has_value()) camera_ = (*opened)->camera();
     return images;
   }
   void give_calibration() { options_.camera_file = folder_.write("c.yaml", testing::kCalibration); }

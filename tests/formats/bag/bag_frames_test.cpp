@@ -11,9 +11,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 bool shows(const image_t& image, const cv::Mat& pixels) {
-  std::string error;
-  const cv::Mat grey = decode_grey(image, &error);
-  return error.empty() && grey.size() == pixels.size() && cv::norm(grey, pixels, cv::NORM_INF) == 0;
+  const cv::Mat grey = decode_grey(image).value();
+  return grey.size() == pixels.size() && cv::norm(grey, pixels, cv::NORM_INF) == 0;
 }
 
 TEST_F(Bags, OfEachKindArePlayedWithTheirTimesAndCalibration) {
@@ -58,7 +57,7 @@ TEST_F(Bags, AFolderIsWhatItsMetadataLists) {
   EXPECT_THAT(error_of(folder_.path()), HasSubstr("unzstd"));
 }
 
-// What is wrong with the images goes before the calibration, which they would have.
+// The bags have no calibration either, but the fault of the images is reported first.
 TEST_F(Bags, OfPixelsThatAreNotReadSaySo) {
   const std::string packet("\0\0\0\1\x67", 5);
   std::vector<uint8_t> unit(packet.begin(), packet.end());
@@ -118,7 +117,7 @@ TEST_F(Bags, CameraInfoThatIsAllZeroIsNone) {
   give_calibration();
   EXPECT_EQ(play(file).size(), 1u);
   options_.camera_file.clear();
-  add_info("mcap");  // a later one is one
+  add_info("mcap");  // a later camera_info has a calibration
   EXPECT_EQ(play(write("mcap")).size(), 1u);
   EXPECT_EQ(camera_.fx, 50);
 }
@@ -147,9 +146,9 @@ TEST_F(Bags, CameraInfoOfAnotherModelIsRefused) {
 
 TEST_F(Bags, CameraInfoThatChangesIsToldOf) {
   add_usual("mcap", 3);
-  EXPECT_THAT(open_frames(write("mcap"), {}).reader->notes(), ::testing::IsEmpty());
+  EXPECT_THAT(open_frames(write("mcap"), {}).value()->notes(), ::testing::IsEmpty());
   add_info("mcap", {.fx = 55});
-  EXPECT_THAT(open_frames(write("mcap"), {}).reader->notes(),
+  EXPECT_THAT(open_frames(write("mcap"), {}).value()->notes(),
               ::testing::ElementsAre(HasSubstr("another one at the end")));
   play(write("mcap"));
   EXPECT_EQ(camera_.fx, 50);
@@ -180,7 +179,7 @@ TEST_F(Bags, OfSeveralCamerasAskForOne) {
   EXPECT_THAT(error_of(file), HasSubstr("no images on '/cam2/image_raw'; it has images on"));
 }
 
-// EuRoC's.
+// The topics are named as in EuRoC's bags.
 TEST_F(Bags, OfTwoCamerasOfOneRigTheFirstIsPlayed) {
   give_calibration();
   for (const auto& [first, second] : {std::pair("/cam0/image_raw", "/cam1/image_raw"),
@@ -190,7 +189,7 @@ TEST_F(Bags, OfTwoCamerasOfOneRigTheFirstIsPlayed) {
     for (int i = 0; i < 2; ++i) add_image("ros1 none", i, first);
     const std::string file = write("ros1 none");
     EXPECT_EQ(play(file).size(), 2u) << first;
-    EXPECT_THAT(open_frames(file, {}).reader->notes(),
+    EXPECT_THAT(open_frames(file, {}).value()->notes(),
                 ::testing::Contains(HasSubstr(fmt::format("{} is played, and not {}", first, second))));
     options_.log_channel = second;
     EXPECT_EQ(play(file).size(), 3u) << second;
@@ -207,7 +206,7 @@ TEST_F(Bags, NominalCameraInfoOfAKinectIsToldOf) {
   add("/camera/rgb/camera_info", "sensor_msgs/CameraInfo", 0, info.number(uint8_t{0}).bytes());
   add_image("ros1 none", 0, "/camera/rgb/image_color");
   fs::rename(write("ros1 none"), folder_ / "rgbd_dataset_freiburg2_desk.bag");
-  EXPECT_THAT(open_frames(folder_ / "rgbd_dataset_freiburg2_desk.bag", {}).reader->notes(),
+  EXPECT_THAT(open_frames(folder_ / "rgbd_dataset_freiburg2_desk.bag", {}).value()->notes(),
               ::testing::Contains(
                   AllOf(HasSubstr("nominal values of the Kinect"), HasSubstr("--camera config/cameras/tum_fr2.yaml"))));
 }

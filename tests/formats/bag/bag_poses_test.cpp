@@ -9,7 +9,8 @@ namespace {
 using namespace testing;
 using ::testing::HasSubstr;
 
-// A bag as those of TUM RGB-D: the Kinect's place in the world, the fixed places of its cameras on it, depth.
+// Writes a bag as those of TUM RGB-D: the Kinect's place in the world, the fixed places of its cameras on it, depth
+// images.
 class BagPosesTest : public Bags {
  protected:
   static constexpr const char* kFrame = "/openni_rgb_optical_frame";
@@ -26,7 +27,7 @@ class BagPosesTest : public Bags {
       add("/camera/depth/image", "sensor_msgs/Image", i,
           image_message(is_ros2(kind), stamp_ns(i), cv::Mat(48, 64, CV_32FC1, cv::Scalar(1)), "32FC1", false, kFrame));
       add("/imu", "sensor_msgs/Imu", i, std::string(100, 'x'));
-      // A quarter turn about z in the world, and the Kinect on the way along x.
+      // The Kinect is turned by a quarter about z, and moves along x.
       add_transforms(kind, i, {{stamp_ns(i) + 7'000'000, "/world", "/kinect", {1. * i, 0, 0}, {0, 0, half, half}}});
       add_transforms(kind, i,
                      {{stamp_ns(i), "/kinect", "/openni_camera", {0, 0.5, 0}},

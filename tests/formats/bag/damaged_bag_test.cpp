@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whatever is wrong with a bag: what can be read is played, and what is lost is told.
+// Tests bags with any kind of damage: images that can be read are played, and the user is told of those that are lost.
 #include <algorithm>
 
 #include "tests/formats/bag/bag_fixture.h"
@@ -15,17 +15,18 @@ constexpr int kImages = 24;
 class DamagedBags : public Bags {
  protected:
   DamagedBags() { give_calibration(); }
-  // Images that are as they were recorded; -1 if the bag is refused, with a message.
+  // Writes the bytes into the file and plays it. Returns the number of images; -1 if the bag is refused, with a
+  // message.
   int images_of(const std::string& file, const std::string& bytes) {
     testing::write_file(file, bytes);
     const OpenedSource opened = open(file);
-    if (!opened.ok()) {
-      EXPECT_THAT(opened.error, HasSubstr(file));
+    if (!opened.has_value()) {
+      EXPECT_THAT(opened.error_text(), HasSubstr(file));
       return -1;
     }
     int images = 0;
-    while (opened.source->next()) ++images;
-    skipped_ = opened.source->skipped();
+    while ((*opened)->next()) ++images;
+    skipped_ = (*opened)->skipped();
     return images;
   }
 };
@@ -36,14 +37,14 @@ TEST_F(DamagedBags, InAnyPlaceLoseWhatIsThere) {
   for (const std::string& kind : bag_kinds()) {
     add_usual(kind, kImages);
     const std::string file = write(kind), whole = testing::read_file(file);
-    if (kind == "sqlite") continue;  // below
+    if (kind == "sqlite") continue;  // tested below
     const size_t length = 40, step = std::max<size_t>(1, whole.size() / 60);
     for (size_t at = 0; at + length < whole.size(); at += step) {
       SCOPED_TRACE(kind + " at " + std::to_string(at));
       std::string bytes = whole;
       for (size_t i = at; i < at + length; ++i) bytes[i] = static_cast<char>(bytes[i] ^ 0x5A);
       EXPECT_GE(images_of(file, bytes), kImages - kMostLost);
-      // The pixels of what is stored as it is have no checksum.
+      // Pixels that are stored uncompressed have no checksum.
       const bool has_checksum = kind.find("bz2") != std::string::npos || kind == "mcap zstd" || kind == "mcap lz4";
       const bool is_in_data = at > 1000 && at + 2000 < whole.size();
       if (has_checksum && is_in_data) {
@@ -53,7 +54,7 @@ TEST_F(DamagedBags, InAnyPlaceLoseWhatIsThere) {
   }
 }
 
-// One chunk may be all of a file. What cannot be compressed is stored as it is, and only its checksum is wrong then.
+// The whole file is one chunk. Noise cannot be compressed and is stored as it is: then only its checksum is wrong.
 TEST_F(DamagedBags, InTheMiddleOfAChunkHaveTheImagesBefore) {
   for (const bool is_noise : {false, true}) {
     for (const char* compression : {"zstd", "lz4"}) {
@@ -68,7 +69,7 @@ TEST_F(DamagedBags, InTheMiddleOfAChunkHaveTheImagesBefore) {
       }
       options_.camera_file = folder_.write("c.yaml", "fx: 50\nfy: 51\ncx: 32\ncy: 24\nwidth: 320\nheight: 240\n");
       std::string bytes = mcap.bytes();
-      const size_t at = bytes.size() * 9 / 20;  // in an image, not between two
+      const size_t at = bytes.size() * 9 / 20;  // inside an image, not between two
       for (size_t i = at; i < at + 64; ++i) bytes[i] = static_cast<char>(7 * i + 3);
       EXPECT_GE(images_of(folder_ / "a.mcap", bytes), is_noise ? kImages : kImages / 3);
       EXPECT_GE(skipped_.malformed, 1);
@@ -88,7 +89,7 @@ TEST_F(DamagedBags, CutOffAnywhereHaveTheImagesBefore) {
       before = images;
     }
     EXPECT_GE(before, kImages - 4) << kind;
-    EXPECT_EQ(skipped_.malformed, 0) << kind;  // what is missing at the end is not known to be images
+    EXPECT_EQ(skipped_.malformed, 0) << kind;  // what is missing at the end need not be images
   }
 }
 
@@ -108,7 +109,7 @@ TEST_F(DamagedBags, ABagThatIsStillBeingRecordedIsReadToItsLastMessage) {
   add_usual("ros1 none", 0);
   Ros1Writer whole("none");
   for (const BagMessageToWrite& message : messages_) whole.add(message);
-  // The recorder writes a chunk's length when it ends it.
+  // The recorder writes the length of a chunk only when the chunk ends.
   const std::string begun =
       Ros1Writer::record(5, {{"compression", "none"}, {"size", bytes_of(uint32_t{0})}}, "") +
       Ros1Writer::record(7, {{"conn", bytes_of(uint32_t{5})}, {"topic", "/a"}}, with_length("type=sensor_msgs/Image")) +

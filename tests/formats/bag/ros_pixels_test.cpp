@@ -15,11 +15,9 @@ RosImage image_of(const std::vector<uint8_t>& data, uint32_t width, uint32_t hei
   return image;
 }
 
-// The first pixel: blue, green, red; or of a grey image its one value.
+// Returns the values of the first pixel: blue, green, red; or one if the image is grey.
 std::vector<int> first_pixel(const RosImage& image, bool colour) {
-  std::string error;
-  const cv::Mat pixels = pixels_of(image, colour, &error);
-  EXPECT_EQ(error, "") << image.encoding;
+  const cv::Mat pixels = pixels_of(image, colour).value();
   std::vector<int> values;
   for (int i = 0; i < pixels.channels(); ++i)
     values.push_back(pixels.depth() == CV_16U ? pixels.ptr<uint16_t>(0)[i] : pixels.ptr(0)[i]);
@@ -49,31 +47,27 @@ TEST(RosPixels, Of16BitsAreInEitherOrder) {
 }
 
 TEST(RosPixels, OfABayerPatternAreRedWhereRedIs) {
-  // 4 x 4 pixels: the first of each pattern's four is 200, the others 0.
+  // 4 x 4 pixels: in each 2 x 2 pixels of the pattern the first one is 200, the others are 0.
   std::vector<uint8_t> data(16);
   for (size_t y = 0; y < 4; y += 2)
     for (size_t x = 0; x < 4; x += 2) data[4 * y + x] = 200;
-  std::string error;
-  const cv::Vec3b red = pixels_of(image_of(data, 4, 4, "bayer_rggb8"), true, &error).at<cv::Vec3b>(2, 2);
+  const cv::Vec3b red = pixels_of(image_of(data, 4, 4, "bayer_rggb8"), true).value().at<cv::Vec3b>(2, 2);
   EXPECT_EQ(red, cv::Vec3b(0, 0, 200));
-  const cv::Vec3b blue = pixels_of(image_of(data, 4, 4, "bayer_bggr8"), true, &error).at<cv::Vec3b>(2, 2);
+  const cv::Vec3b blue = pixels_of(image_of(data, 4, 4, "bayer_bggr8"), true).value().at<cv::Vec3b>(2, 2);
   EXPECT_EQ(blue, cv::Vec3b(200, 0, 0));
   for (const char* green : {"bayer_grbg8", "bayer_gbrg8"})
-    EXPECT_EQ(pixels_of(image_of(data, 4, 4, green), true, &error).at<cv::Vec3b>(2, 2)[1], 200) << green;
+    EXPECT_EQ(pixels_of(image_of(data, 4, 4, green), true).value().at<cv::Vec3b>(2, 2)[1], 200) << green;
 }
 
 TEST(RosPixels, MayHaveBytesBehindTheirRows) {
-  const std::vector<uint8_t> data = {1, 2, 99, 3, 4};  // the last row may be without
+  const std::vector<uint8_t> data = {1, 2, 99, 3, 4};  // the last row may lack its padding
   RosImage image = image_of(data, 2, 2, "mono8");
   image.step = 3;
-  std::string error;
-  EXPECT_EQ(pixels_of(image, false, &error).at<uint8_t>(1, 0), 3);
+  EXPECT_EQ(pixels_of(image, false).value().at<uint8_t>(1, 0), 3);
   image.step = 4;
-  EXPECT_TRUE(pixels_of(image, false, &error).empty());
-  EXPECT_THAT(error, HasSubstr("5 bytes"));
+  EXPECT_THAT(pixels_of(image, false).error_text(), HasSubstr("5 bytes"));
   image.step = 1;
-  EXPECT_TRUE(pixels_of(image, false, &error).empty());
-  EXPECT_THAT(error, HasSubstr("rows of 1 bytes"));
+  EXPECT_THAT(pixels_of(image, false).error_text(), HasSubstr("rows of 1 bytes"));
 }
 
 TEST(RosPixels, OfOtherKindsOrSizesAreRefused) {
@@ -84,9 +78,7 @@ TEST(RosPixels, OfOtherKindsOrSizesAreRefused) {
                                                       {0u, 1u, "mono8", "0 x 1 pixels"},
                                                       {4'000'000'000u, 1u, "mono8", "pixels"},
                                                       {3u, 1u, "yuv422", "pairs"}}) {
-    std::string error;
-    EXPECT_TRUE(pixels_of(image_of(data, width, height, encoding), false, &error).empty());
-    EXPECT_THAT(error, HasSubstr(says));
+    EXPECT_THAT(pixels_of(image_of(data, width, height, encoding), false).error_text(), HasSubstr(says));
   }
 }
 

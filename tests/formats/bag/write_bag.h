@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bags of ROS, small and as plain as they may be, of each kind.
+// Writes small bags of ROS of each kind, as plain as they may be.
 #pragma once
 
 #include <bzlib.h>
@@ -61,7 +61,7 @@ class RosWriter {
 };
 
 struct BagMessageToWrite {
-  std::string topic, type, bytes;  // type: "sensor_msgs/Image"
+  std::string topic, type, bytes;  // type: such as "sensor_msgs/Image"
   int64_t time_ns = 0;
 };
 
@@ -95,11 +95,11 @@ inline std::string transforms_message(bool is_ros2, const std::vector<TransformT
   return out.bytes();
 }
 
-// Of 64 x 48 pixels.
+// A camera_info for images of 64 x 48 pixels.
 struct InfoToWrite {
   std::string model = "plumb_bob";
   std::vector<double> d = {0.1, 0, 0, 0, 0};
-  double fx = 50, px = 60;  // of K and of P
+  double fx = 50, px = 60;  // focal lengths in K and in P, pixels
 };
 inline std::string info_message(bool is_ros2, int64_t stamp_ns, const InfoToWrite& info = {}) {
   RosWriter out(is_ros2);
@@ -131,7 +131,7 @@ inline std::string compressed(const std::string& name, const std::string& bytes)
   return out;
 }
 
-// So many messages are in one chunk.
+// Number of messages in each chunk.
 inline constexpr size_t kMessagesInChunk = 6;
 
 class Ros1Writer {
@@ -179,7 +179,8 @@ class Ros1Writer {
 
 class McapWriter {
  public:
-  // `compression`: of chunks; "none": these are not compressed; empty: no chunks. `encoding`: of messages.
+  // `compression`: how chunks are compressed; "none": they are not; empty: the file has no chunks. `encoding`: that of
+  // the messages.
   explicit McapWriter(std::string compression, std::string encoding = "cdr", size_t in_one_chunk = kMessagesInChunk)
       : compression_(std::move(compression)), encoding_(std::move(encoding)), in_one_chunk_(in_one_chunk) {
     bytes_ = kMagic + record(1, with_length("ros2") + with_length("test"));
@@ -264,7 +265,7 @@ inline const std::vector<std::string>& bag_kinds() {
 }
 inline bool is_ros2(const std::string& kind) { return !kind.starts_with("ros1"); }
 
-// Returns the file's name.
+// Writes a bag of this kind. Returns the file's name.
 inline std::string write_bag(const std::string& folder, const std::string& kind,
                              const std::vector<BagMessageToWrite>& messages) {
   const std::string rest = kind.size() > 5 ? kind.substr(5) : "";

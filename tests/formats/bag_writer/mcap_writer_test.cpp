@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The index of an MCAP file, which our own reader does without: what it names is there, and the checksums are right.
+// Tests the index of an MCAP file, which our own reader does not use: its entries point to what they name, and the
+// checksums are right.
 #include <gtest/gtest.h>
 #include <zlib.h>
 #include <zstd.h>
@@ -19,7 +20,7 @@ class McapIndex : public ::testing::Test {
  protected:
   struct Record {
     uint8_t op = 0;
-    size_t at = 0, bytes = 0;  // behind its head
+    size_t at = 0, bytes = 0;  // position and size of its content, behind the head
     size_t end() const { return at + bytes; }
   };
   McapIndex() {
@@ -28,7 +29,7 @@ class McapIndex : public ::testing::Test {
     for (int i = 0; i < kMessages; ++i)
       writer->write(i % 2 == 0 ? "/a" : "/b", kImageType, 1000 + i,
                     std::string(100'000, static_cast<char>('a' + i % 7)));
-    EXPECT_EQ(writer->close(), "");
+    EXPECT_EQ(writer->close().error_text(), "");
     text_ = testing::read_file(file);
   }
   template <class Number>
@@ -70,7 +71,8 @@ TEST_F(McapIndex, NamesEveryMessage) {
     const Record chunk = record(number<uint64_t>(entry.at + 16));
     ASSERT_EQ(chunk.op, 6);
     EXPECT_EQ(number<uint64_t>(entry.at + 24), kHeadBytes + chunk.bytes);
-    // Behind times, size, checksum and "zstd".
+    // The compressed records lie behind the times, size and checksum (28 bytes), the string "zstd" with its length (8)
+    // and their own length (8).
     const size_t stored_at = chunk.at + 28 + 8 + 8, stored = number<uint64_t>(stored_at - 8);
     std::string messages(number<uint64_t>(chunk.at + 16), '\0');
     ASSERT_EQ(ZSTD_decompress(messages.data(), messages.size(), text_.data() + stored_at, stored), messages.size());
@@ -93,7 +95,7 @@ TEST_F(McapIndex, NamesEveryMessage) {
   EXPECT_EQ(ops[4], 2);   // channels
   EXPECT_GT(ops[8], 1);   // chunks
   EXPECT_EQ(ops[11], 1);  // statistics
-  EXPECT_EQ(ops[14], 4);  // of the summary itself
+  EXPECT_EQ(ops[14], 4);  // offsets in the summary
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The index of a ROS 1 bag, which our own reader does without; that ROS's own program reads by it is in
-// tests/rumi/rosbag_test.sh.
+// Tests the index of a ROS 1 bag, which our own reader does not use. tests/rumi/rosbag_test.sh reads a bag by it with
+// ROS's own program.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -23,7 +23,7 @@ class Ros1Index : public ::testing::Test {
     const std::unique_ptr<BagWriter> writer = write_ros1_bag(file);
     for (int i = 0; i < kMessages; ++i)
       writer->write(i % 2 == 0 ? "/a" : "/b", kImageType, int64_t{1'000'000'000} * (i + 1), std::string(100'000, 'x'));
-    EXPECT_EQ(writer->close(), "");
+    EXPECT_EQ(writer->close().error_text(), "");
     text_ = testing::read_file(file);
   }
   template <class Number>

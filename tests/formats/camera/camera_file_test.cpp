@@ -14,15 +14,15 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 Camera parse(const std::string& text, const std::string& format) {
-  const CameraFileResult result = parse_camera(text, "c.yaml");
-  EXPECT_EQ(result.error, "");
-  EXPECT_EQ(result.format, format);
-  return result.camera;
+  const Result<CameraFile> result = parse_camera(text, "c.yaml");
+  EXPECT_EQ(result.error_text(), "");
+  EXPECT_EQ(result->format, format);
+  return result->camera;
 }
 
-std::string error_of(const std::string& text) { return parse_camera(text, "c.yaml").error; }
+std::string error_of(const std::string& text) { return parse_camera(text, "c.yaml").error_text(); }
 
-// Flat calibration with one line replaced or left out.
+// Returns a flat calibration in which the line of `key` has another `value`, or is left out if that is "-".
 std::string flat(const std::string& key, const std::string& value) {
   std::string out;
   for (const auto& [k, v] : std::vector<std::pair<std::string, std::string>>{
@@ -121,9 +121,9 @@ TEST(CameraFile, BadTextIsRefused) {
   EXPECT_THAT(error_of(std::string(60000, '[')), HasSubstr("c.yaml"));
   EXPECT_THAT(error_of(std::string(100000, 'x')), HasSubstr("longer than 65536 bytes"));
   EXPECT_THAT(error_of("just words"), HasSubstr("key: value"));
-  EXPECT_THAT(read_camera_file("/nowhere/c.yaml").error,
+  EXPECT_THAT(read_camera_file("/nowhere/c.yaml").error_text(),
               AllOf(HasSubstr("/nowhere/c.yaml"), HasSubstr("no such file")));
-  EXPECT_THAT(read_camera_file("/tmp").error, HasSubstr("is a folder"));
+  EXPECT_THAT(read_camera_file("/tmp").error_text(), HasSubstr("is a folder"));
 }
 
 TEST(CameraFile, OneThatAUserNamedStopsAProcessAtItsStart) {
@@ -131,7 +131,7 @@ TEST(CameraFile, OneThatAUserNamedStopsAProcessAtItsStart) {
   EXPECT_THROW(read_given_camera("/nowhere/camera.yaml"), std::runtime_error);
 }
 
-// Every prefix of a file, as a full disk leaves it, gives an answer.
+// Each prefix of a file, as a full disk leaves it, is read or refused without an exception.
 TEST(CameraFile, TruncatedFilesNeverThrow) {
   const std::string text = "%YAML:1.0\n---\n" + flat("", "") + "camera_matrix: !!opencv-matrix\n  data: [1, 2]\n";
   for (size_t n = 0; n < text.size(); ++n) EXPECT_NO_THROW(parse_camera(text.substr(0, n), "c.yaml")) << n;
@@ -141,7 +141,7 @@ TEST(CameraFile, ShippedCalibrationsAreRight) {
   int count = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(std::filesystem::path(RUMI_SOURCE_DIR) / "config/cameras")) {
-    EXPECT_EQ(read_camera_file(entry.path().string()).error, "");
+    EXPECT_EQ(read_camera_file(entry.path().string()).error_text(), "");
     ++count;
   }
   EXPECT_GE(count, 6);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// DSO's cameras are not read: what to write instead.
+// Tests that DSO's camera files are refused, with the lines that the user must write instead.
 #include <gmock/gmock.h>
 
 #include "tests/formats/camera/foreign_camera.h"

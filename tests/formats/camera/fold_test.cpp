@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A lens that would fold the image.
+// Tests calibrations whose distortion folds the image.
 #include <gmock/gmock.h>
 
 #include "tests/formats/camera/foreign_camera.h"
@@ -14,10 +14,10 @@ using ::testing::HasSubstr;
 const std::string kWide = "fx: 380\nfy: 380\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\n";
 
 std::string notes_of(const std::string& text) {
-  const CameraFileResult result = parse_camera(text, "camera.yaml");
+  const Result<CameraFile> result = parse_camera(text, "camera.yaml");
   std::string all;
-  for (const std::string& note : result.notes) all += note + "\n";
-  return result.error + all;
+  for (const std::string& note : result->notes) all += note + "\n";
+  return result.error_text() + all;
 }
 
 TEST(CameraWhoseLensFolds, IsRefusedWhereLittleIsLeft) {

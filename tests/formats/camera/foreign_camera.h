@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the tests of other tools' camera files share: a small camera, as a text or in a file.
+// Shared by the tests of other tools' camera files: a small camera, as a text or in a file.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,8 +14,8 @@
 
 namespace rumi::testing {
 
-inline CameraFileResult parse(const std::string& text) { return parse_camera(text, "c.yaml"); }
-inline std::string error_of(const std::string& text) { return parse(text).error; }
+inline Result<CameraFile> parse(const std::string& text) { return parse_camera(text, "c.yaml"); }
+inline std::string error_of(const std::string& text) { return parse(text).error_text(); }
 
 inline void expect_size_and_matrix(const Camera& c) {
   EXPECT_EQ(std::tie(c.width, c.height, c.fx, c.fy, c.cx, c.cy), std::make_tuple(64, 48, 50., 51., 32., 24.));
@@ -32,7 +32,7 @@ inline constexpr const char* kOrbSlam =
     "Camera1.cy: 24.0\nCamera1.k1: 0.1\nCamera1.k2: 0.2\nCamera1.p1: 0.3\nCamera1.p2: 0.4\nCamera.width: 64\n"
     "Camera.height: 48\nCamera.fps: 30\nCamera.RGB: 1\nORBextractor.nFeatures: 1200\n";
 
-// `text` with one piece of it replaced.
+// Returns `text` with one piece of it replaced.
 inline std::string with(std::string text, const std::string& piece, const std::string& other) {
   const size_t at = text.find(piece);
   EXPECT_NE(at, std::string::npos) << piece;

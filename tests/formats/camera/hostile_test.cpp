@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Camera files that are wrong on purpose, or by a great accident: they are refused, at once and with a sentence.
+// Tests camera files that are wrong on purpose, or by a strange accident: they are refused at once, with a sentence.
 #include <gmock/gmock.h>
 
 #include <string>
@@ -14,11 +14,11 @@ using ::testing::HasSubstr;
 
 class HostileCameraFile : public ::testing::Test {
  protected:
-  std::string error_of(const std::string& text) { return read_camera_file(folder_.write("camera", text)).error; }
+  std::string error_of(const std::string& text) { return read_camera_file(folder_.write("camera", text)).error_text(); }
   testing::TemporaryFolder folder_;
 };
 
-// Lists of the list before, seven times: 64^7 entries in two kilobytes.
+// Returns lists that each hold the list before 64 times, seven times over: 64^7 entries in two kilobytes.
 std::string list_of_lists(const std::string& innermost) {
   std::string yaml = "a0: &a0 [" + innermost + "]\n";
   for (int level = 1; level < 8; ++level) {
@@ -93,7 +93,7 @@ TEST_F(HostileCameraFile, AListingOfManyFieldsIsCutShort) {
   EXPECT_THAT(error_of(listing), HasSubstr("Width is missing"));
 }
 
-// In YAML this byte is the end of the text.
+// YAML takes this byte for the end of the text.
 TEST_F(HostileCameraFile, AnEndOfTransmissionIsRefused) {
   EXPECT_THAT(error_of("1 PINHOLE 64 48 5\x04 50 32 24\n"), HasSubstr("camera"));
   EXPECT_THAT(error_of("fx: 5\x04\n"), HasSubstr("not a text file"));

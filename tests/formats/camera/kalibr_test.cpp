@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Kalibr's camchains.
+// Tests the reading of Kalibr's camchains.
 #include <gmock/gmock.h>
 
 #include "tests/formats/camera/foreign_camera.h"
@@ -26,32 +26,34 @@ constexpr const char* kCamchain =
 
 TEST_F(CameraFiles, OfKalibrNameTheirCameras) {
   const std::string file = write("camchain.yaml", kCamchain);
-  const CameraFileResult first = read_camera_file(file);
-  ASSERT_EQ(first.error, "");
-  EXPECT_EQ(first.camera.width, 80);
-  EXPECT_THAT(first.notes, ElementsAre(AllOf(HasSubstr("cam0, cam1"), HasSubstr("cam0 is taken"))));
-  EXPECT_THAT(advice_on_size(first, 64, 48), HasSubstr("give --camera " + file + ":cam1"));
-  const CameraFileResult second = read_camera_file(file + ":cam1");
-  ASSERT_EQ(second.error, "");
-  expect_size_and_matrix(second.camera);
-  EXPECT_THAT(second.notes, IsEmpty());
-  EXPECT_THAT(read_camera_file(file + ":cam7").error, AllOf(HasSubstr("no camera 'cam7'"), HasSubstr("cam0, cam1")));
-  EXPECT_THAT(read_camera_file(write("one.yaml", kOrbSlam) + ":cam1").error, HasSubstr("has one camera only"));
-  EXPECT_THAT(read_camera_file((folder_.path() / "no.yaml:cam1").string()).error,
+  const Result<CameraFile> first = read_camera_file(file);
+  ASSERT_EQ(first.error_text(), "");
+  EXPECT_EQ(first->camera.width, 80);
+  EXPECT_THAT(first->notes, ElementsAre(AllOf(HasSubstr("cam0, cam1"), HasSubstr("cam0 is taken"))));
+  EXPECT_THAT(advice_on_size(*first, 64, 48), HasSubstr("give --camera " + file + ":cam1"));
+  const Result<CameraFile> second = read_camera_file(file + ":cam1");
+  ASSERT_EQ(second.error_text(), "");
+  expect_size_and_matrix(second->camera);
+  EXPECT_THAT(second->notes, IsEmpty());
+  EXPECT_THAT(read_camera_file(file + ":cam7").error_text(),
+              AllOf(HasSubstr("no camera 'cam7'"), HasSubstr("cam0, cam1")));
+  EXPECT_THAT(read_camera_file(write("one.yaml", kOrbSlam) + ":cam1").error_text(), HasSubstr("has one camera only"));
+  EXPECT_THAT(read_camera_file((folder_.path() / "no.yaml:cam1").string()).error_text(),
               HasSubstr("no.yaml:cam1: no such file"));
 }
 
 TEST_F(CameraFiles, MayHaveAColonInTheirName) {
   write("rig.yaml", kCamchain);
-  const CameraFileResult result = read_camera_file(write("rig.yaml:cam1", with(kCamchain, "[80, 60]", "[100, 60]")));
-  ASSERT_EQ(result.error, "");
-  EXPECT_EQ(result.camera.width, 100);
+  const Result<CameraFile> result = read_camera_file(write("rig.yaml:cam1", with(kCamchain, "[80, 60]", "[100, 60]")));
+  ASSERT_EQ(result.error_text(), "");
+  EXPECT_EQ(result->camera.width, 100);
 }
 
 TEST_F(CameraFiles, OfKalibrAreRefusedByTheCameraThatIsAskedFor) {
   const std::string file = write("c.yaml", with(kCamchain, "camera_model: pinhole", "camera_model: omni"));
-  EXPECT_THAT(read_camera_file(file).error, AllOf(HasSubstr("cam0.camera_model is 'omni'"), HasSubstr(file + ":cam1")));
-  EXPECT_EQ(read_camera_file(file + ":cam1").error, "");
+  EXPECT_THAT(read_camera_file(file).error_text(),
+              AllOf(HasSubstr("cam0.camera_model is 'omni'"), HasSubstr(file + ":cam1")));
+  EXPECT_EQ(read_camera_file(file + ":cam1").error_text(), "");
   EXPECT_THAT(error_of(with(kCamchain, "  distortion_model: radtan\n", "")),
               HasSubstr("cam0.distortion_model is none or missing"));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Camera files of OpenCV, and of those who write as it does.
+// Tests the reading of camera files of OpenCV, and of programs that write as it does.
 #include <gmock/gmock.h>
 
 #include "tests/formats/camera/foreign_camera.h"
@@ -24,22 +24,22 @@ constexpr const char* kOpenCv =
     "avg_reprojection_error: 0.21\n";
 
 TEST(CameraOfOpenCv, ASmallSkewIsLeftOutAndTold) {
-  const CameraFileResult result = parse(with(kOpenCv, "50., 0.,", "50., 0.083,"));
-  ASSERT_EQ(result.error, "");
-  expect_size_and_matrix(result.camera);
-  EXPECT_THAT(result.notes, ElementsAre(HasSubstr("0.083")));
+  const Result<CameraFile> result = parse(with(kOpenCv, "50., 0.,", "50., 0.083,"));
+  ASSERT_EQ(result.error_text(), "");
+  expect_size_and_matrix(result->camera);
+  EXPECT_THAT(result->notes, ElementsAre(HasSubstr("0.083")));
   EXPECT_THAT(error_of(with(kOpenCv, "50., 0.,", "50., 2.5,")),
               AllOf(HasSubstr("skew of 2.5 px"), HasSubstr("undistort")));
-  EXPECT_THAT(parse(kOpenCv).notes, IsEmpty());
+  EXPECT_THAT(parse(kOpenCv).value().notes, IsEmpty());
 }
 
 TEST(CameraOfOpenCv, MayHaveListsOfRows) {
-  const CameraFileResult result = parse(
+  const Result<CameraFile> result = parse(
       "image_size: [64, 48]\ncamera_matrix: [[50, 0, 32], [0, 51, 24], [0, 0, 1]]\ndist_coeff: [[0.1, 0.2, 0.3, 0.4, "
       "0.5]]\n");
-  ASSERT_EQ(result.error, "");
-  expect_size_and_matrix(result.camera);
-  EXPECT_EQ(result.camera.k3, .5);
+  ASSERT_EQ(result.error_text(), "");
+  expect_size_and_matrix(result->camera);
+  EXPECT_EQ(result->camera.k3, .5);
 }
 
 TEST(CameraOfOpenCv, AMatrixOfMatlabIsRefused) {
@@ -66,33 +66,34 @@ TEST_F(CameraFiles, OfOpenCvMayBeXmlOrJson) {
                                  "\"cols\": 1, \"dt\": \"d\", \"data\": [0.1, "
                                  "0.2, 0.3, 0.4, 0.5]}\n}\n");
   for (const std::string& file : {xml, json}) {
-    const CameraFileResult result = read_camera_file(file);
-    ASSERT_EQ(result.error, "");
-    EXPECT_EQ(result.format, "OpenCV");
-    expect_size_and_matrix(result.camera);
-    EXPECT_EQ(result.camera.k3, .5);
+    const Result<CameraFile> result = read_camera_file(file);
+    ASSERT_EQ(result.error_text(), "");
+    EXPECT_EQ(result->format, "OpenCV");
+    expect_size_and_matrix(result->camera);
+    EXPECT_EQ(result->camera.k3, .5);
   }
-  EXPECT_THAT(read_camera_file(write("d.xml", "<?xml version=\"1.0\"?><opencv_storage><image_width>64</")).error,
+  EXPECT_THAT(read_camera_file(write("d.xml", "<?xml version=\"1.0\"?><opencv_storage><image_width>64</")).error_text(),
               HasSubstr("d.xml"));
-  EXPECT_THAT(read_camera_file(write("m.xml", "<?xml version=\"1.0\"?><calibration><f>1</f></calibration>")).error,
-              HasSubstr("XML"));
+  EXPECT_THAT(
+      read_camera_file(write("m.xml", "<?xml version=\"1.0\"?><calibration><f>1</f></calibration>")).error_text(),
+      HasSubstr("XML"));
 }
 
 TEST(CameraOfOpenCv, NeedsNoSpaceBehindAColon) {
   const std::string text = with(with(kOpenCv, "data: [ 50.", "data:[ 50."), "image_width: 64", "image_width:64");
   EXPECT_EQ(error_of(text), "");
-  expect_size_and_matrix(parse(text).camera);
+  expect_size_and_matrix(parse(text).value().camera);
 }
 
 TEST(CameraOfOpenCv, MayBeAGroup) {
   const std::string camera =
       "image_width: 64, image_height: 48, camera_matrix: [50, 0, 32, 0, 51, 24, 0, 0, 1], distortion_coefficients: [0, "
       "0, 0, 0]";
-  const CameraFileResult result = parse(fmt::format("camera0: {{{0}}}\ncamera1: {{{0}}}\n", camera));
-  ASSERT_EQ(result.error, "");
-  EXPECT_EQ(result.name, "camera0");
-  expect_size_and_matrix(result.camera);
-  EXPECT_EQ(result.others.size(), 1u);
+  const Result<CameraFile> result = parse(fmt::format("camera0: {{{0}}}\ncamera1: {{{0}}}\n", camera));
+  ASSERT_EQ(result.error_text(), "");
+  EXPECT_EQ(result->name, "camera0");
+  expect_size_and_matrix(result->camera);
+  EXPECT_EQ(result->others.size(), 1u);
 }
 
 TEST(CameraOfAFisheye, IsNeverTakenForAPinhole) {
@@ -101,7 +102,7 @@ TEST(CameraOfAFisheye, IsNeverTakenForAPinhole) {
       "image_height: 48\n";
   EXPECT_EQ(error_of(text), "");
   EXPECT_EQ(error_of(text + "is_fisheye: false\n"), "");
-  EXPECT_EQ(parse(text + "fisheye_model: 1\n").camera.model, Camera::Model::kKannalaBrandt);
+  EXPECT_EQ(parse(text + "fisheye_model: 1\n").value().camera.model, Camera::Model::kKannalaBrandt);
   for (const char* sign : {"is_fisheye: true\n", "camera_model: fisheye\n", "model: Equidistant\n"})
     EXPECT_THAT(error_of(text + sign), HasSubstr("fisheye_model: 1")) << sign;
   EXPECT_THAT(

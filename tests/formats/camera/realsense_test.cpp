@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rs-enumerate-devices -c` lists.
+// Tests the reading of what `rs-enumerate-devices -c` lists.
 #include <gmock/gmock.h>
 
 #include "tests/formats/camera/foreign_camera.h"
@@ -29,16 +29,16 @@ constexpr const char* kRealSense =
 
 TEST_F(CameraFiles, OfRealSenseAreListingsOfAllSizes) {
   const std::string file = write("d435.txt", kRealSense);
-  CameraFileResult result = read_camera_file(file);
-  ASSERT_EQ(result.error, "");
-  EXPECT_EQ(result.lens, "Color");
-  choose_size(64, 48, &result);
-  EXPECT_EQ(result.name, "Color 64x48");
-  expect_size_and_matrix(result.camera);
-  EXPECT_EQ(result.others.size(), 2u);
-  EXPECT_EQ(read_camera_file(file + ":depth").camera.fx, 40);
-  EXPECT_EQ(read_camera_file(file + ":Color 64x48").camera.fx, 50);
-  EXPECT_THAT(read_camera_file(write("l.txt", "Device info:\n  Name : Intel RealSense D435\n")).error,
+  Result<CameraFile> result = read_camera_file(file);
+  ASSERT_EQ(result.error_text(), "");
+  EXPECT_EQ(result->lens, "Color");
+  choose_size(64, 48, &*result);
+  EXPECT_EQ(result->name, "Color 64x48");
+  expect_size_and_matrix(result->camera);
+  EXPECT_EQ(result->others.size(), 2u);
+  EXPECT_EQ(read_camera_file(file + ":depth").value().camera.fx, 40);
+  EXPECT_EQ(read_camera_file(file + ":Color 64x48").value().camera.fx, 50);
+  EXPECT_THAT(read_camera_file(write("l.txt", "Device info:\n  Name : Intel RealSense D435\n")).error_text(),
               HasSubstr("rs-enumerate-devices -c"));
 }
 
@@ -46,18 +46,18 @@ TEST_F(CameraFiles, OfRealSenseWithALensThatWeDoNotHaveAreRefused) {
   const std::string only =
       std::string(kRealSense).substr(std::string(kRealSense).find(" Intrinsic of \"Color\" / 128x72"));
   const std::string file = write("c.txt", with(only, "Coeffs:\t0", "Coeffs:\t0.13"));
-  EXPECT_THAT(read_camera_file(file).error,
+  EXPECT_THAT(read_camera_file(file).error_text(),
               AllOf(HasSubstr("Distortion is 'Inverse Brown Conrady'"), HasSubstr("calibrate")));
-  const CameraFileResult brown =
+  const Result<CameraFile> brown =
       read_camera_file(write("b.txt", with(with(only, "Inverse Brown", "Brown"), "Coeffs:\t0  \t0  \t0  \t0  \t0",
                                            "Coeffs:\t0.1 0.2 0.3 0.4 0.5")));
-  ASSERT_EQ(brown.error, "");
-  EXPECT_EQ(std::tie(brown.camera.k1, brown.camera.k3), std::make_tuple(.1, .5));
-  const CameraFileResult fisheye =
+  ASSERT_EQ(brown.error_text(), "");
+  EXPECT_EQ(std::tie(brown->camera.k1, brown->camera.k3), std::make_tuple(.1, .5));
+  const Result<CameraFile> fisheye =
       read_camera_file(write("f.txt", with(with(only, "Inverse Brown Conrady", "Kannala Brandt4"),
                                            "Coeffs:\t0  \t0  \t0  \t0  \t0", "Coeffs:\t0.1 0.2 0.3 0.4 0")));
-  ASSERT_EQ(fisheye.error, "");
-  EXPECT_EQ(fisheye.camera.k4, .4);
+  ASSERT_EQ(fisheye.error_text(), "");
+  EXPECT_EQ(fisheye->camera.k4, .4);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A camera_info as `ros2 topic echo` prints it.
+// Tests the reading of a camera_info, as `ros2 topic echo` prints it.
 #include <gmock/gmock.h>
 
 #include "tests/formats/camera/foreign_camera.h"
@@ -27,12 +27,12 @@ TEST(CameraInfoAsPrinted, IsRead) {
         std::string("header:\n  seq: 1\n  stamp:\n    secs: 1\n    nsecs: 2\n  frame_id: \"f\"\nheight: 48\n"
                     "width: 64\ndistortion_model: \"plumb_bob\"\nD: [0.1, 0.2, 0.3, 0.4, 0.5]\nK: [50.0, 0.0, "
                     "32.0, 0.0, 51.0, 24.0, 0.0, 0.0, 1.0]\nR: [1.0]\nP: [50.0]\nbinning_x: 0\nbinning_y: 0\n---\n")}) {
-    const CameraFileResult result = parse(text);
-    ASSERT_EQ(result.error, "");
-    EXPECT_EQ(result.format, "ROS camera_info");
-    expect_size_and_matrix(result.camera);
-    EXPECT_EQ(result.camera.k3, .5);
-    EXPECT_THAT(result.notes, IsEmpty());
+    const Result<CameraFile> result = parse(text);
+    ASSERT_EQ(result.error_text(), "");
+    EXPECT_EQ(result->format, "ROS camera_info");
+    expect_size_and_matrix(result->camera);
+    EXPECT_EQ(result->camera.k3, .5);
+    EXPECT_THAT(result->notes, IsEmpty());
   }
 }
 

@@ -22,10 +22,7 @@ cv::Mat deep(const cv::Mat& grey, double scale, double offset) {
   return out;
 }
 
-cv::Mat grey_of(const std::optional<image_t>& image) {
-  std::string error;
-  return image ? decode_grey(*image, &error) : cv::Mat();
-}
+cv::Mat grey_of(const std::optional<image_t>& image) { return image ? decode_grey(*image).value() : cv::Mat(); }
 
 TEST(GreyRange, IsParsedStrictly) {
   EXPECT_EQ(parse_grey_range("0:4095")->high, 4095);
@@ -34,10 +31,10 @@ TEST(GreyRange, IsParsedStrictly) {
     EXPECT_FALSE(parse_grey_range(bad)) << bad;
   CameraOptions options;
   options.grey_range = "5";
-  EXPECT_THAT(check(options), HasSubstr("grey_range is '5'"));
+  EXPECT_THAT(check(options).error_text(), HasSubstr("grey_range is '5'"));
 }
 
-// Machine vision writes 12 bits, thermal cameras a narrow range of 14.
+// Cameras for machine vision write 12 bits, thermal cameras a narrow range of 14.
 TEST(GreyRange, OfARecordingIsThatOfItsImages) {
   for (const auto& [scale, offset] : {std::pair{16.0, 0.0}, std::pair{4.0, 7400.0}, std::pair{257.0, 0.0}}) {
     const TemporaryFolder folder;
@@ -46,10 +43,10 @@ TEST(GreyRange, OfARecordingIsThatOfItsImages) {
     for (int i = 0; i < 20; ++i)
       cv::imwrite(folder / fmt::format("rgb/{}.png", i), deep(i == 7 ? dim : picture(i), scale, offset));
     const OpenedSource opened = open_image_source(folder.path().string(), {});
-    ASSERT_EQ(opened.error, "");
+    ASSERT_EQ(opened.error_text(), "");
     for (int i = 0; i < 20; ++i) {
       const cv::Mat expected = i == 7 ? dim : picture(i);
-      EXPECT_LE(cv::norm(grey_of(opened.source->next()), expected, cv::NORM_INF), 3)
+      EXPECT_LE(cv::norm(grey_of((*opened)->next()), expected, cv::NORM_INF), 3)
           << scale << ": image " << i << ", by one range for all";
     }
   }
@@ -62,16 +59,14 @@ TEST(GreyRange, OfTheOptionsWins) {
   CameraOptions options;
   options.grey_range = "1000:1510";
   const OpenedSource opened = open_image_source(folder.path().string(), options);
-  EXPECT_LE(cv::norm(grey_of(opened.source->next()), picture(0) / 2, cv::NORM_INF), 1);
+  EXPECT_LE(cv::norm(grey_of((*opened)->next()), picture(0) / 2, cv::NORM_INF), 1);
 }
 
 TEST(ImageFile, OtherDepthsAreRefusedByName) {
   const TemporaryFolder folder;
   cv::imwrite(folder / "float.tiff", cv::Mat(48, 64, CV_32F, cv::Scalar(0.5)));
-  std::string error;
-  EXPECT_FALSE(load_image_file(
-      folder / "float.tiff", false, [] { return GreyRange(); }, &error));
-  EXPECT_THAT(error, HasSubstr("neither of 8 nor of 16 bits"));
+  EXPECT_THAT(load_image_file(folder / "float.tiff", false, [] { return GreyRange(); }).error_text(),
+              HasSubstr("neither of 8 nor of 16 bits"));
 }
 
 TEST(ImageFile, WhiteOfAPgmIsWhatItsHeaderSays) {
@@ -79,10 +74,8 @@ TEST(ImageFile, WhiteOfAPgmIsWhatItsHeaderSays) {
   for (const std::string& pgm :
        {"P5\n# 4 bits\n2 2\n15\n\x00\x05\x0A\x0F"s, "P2\n2 2\n15\n0 5 10 15\n"s, "P5\n2 2\n255\n\x00\x55\xAA\xFF"s}) {
     write_file(folder / "a.pgm", pgm);
-    std::string error;
-    const auto image = load_image_file(
-        folder / "a.pgm", false, [] { return GreyRange(); }, &error);
-    ASSERT_TRUE(image) << error;
+    const auto image = load_image_file(folder / "a.pgm", false, [] { return GreyRange(); });
+    ASSERT_TRUE(image) << image.error_text();
     EXPECT_THAT(image->data, ElementsAre(0, 85, 170, 255));
   }
 }
@@ -93,12 +86,10 @@ TEST(ImageFile, BytesAfterTheEndOfAJpegAreNotOfTheImage) {
   const std::string jpeg = read_file(folder / "a.jpg");
   for (const std::string& more : {std::string(5, '\0'), std::string("\r\n"), std::string(2000, 'x')}) {
     write_file(folder / "a.jpg", jpeg + more);
-    std::string error;
-    const auto image = load_image_file(
-        folder / "a.jpg", false, [] { return GreyRange(); }, &error);
-    ASSERT_TRUE(image) << error;
+    const auto image = load_image_file(folder / "a.jpg", false, [] { return GreyRange(); });
+    ASSERT_TRUE(image) << image.error_text();
     EXPECT_EQ(std::string(image->data.begin(), image->data.end()), jpeg);
-    EXPECT_FALSE(grey_of(image).empty());
+    EXPECT_FALSE(grey_of(*image).empty());
   }
 }
 

@@ -34,7 +34,7 @@ TEST(ImageHeader, TellsTheSizeOfEveryFormat) {
   EXPECT_FALSE(size_in_header(encoded(".jpg", true)));
 }
 
-// libtiff looks for a width of 64 bits elsewhere in the file, where it may be anything.
+// libtiff looks for a width of 64 bits elsewhere in the file, where it may have any value.
 TEST(ImageHeader, ATiffWithASizeOfAnotherTypeIsRefused) {
   std::vector<uint8_t> tiff = encoded(".tiff", true);
   const uint8_t width[] = {0, 1, 3, 0};  // its tag and type
@@ -45,14 +45,12 @@ TEST(ImageHeader, ATiffWithASizeOfAnotherTypeIsRefused) {
   EXPECT_FALSE(size_in_header(tiff));
 }
 
-// OpenCV would make room for it before it finds that there are no pixels.
+// OpenCV would allocate memory for it before it finds that there are no pixels.
 TEST(ImageHeader, AnImageOfGigabytesIsRefusedByItsHeader) {
   const TemporaryFolder folder;
   write_file(folder.path() / "a.ppm", "P6\n32000 32000\n255\n" + std::string(900, 'x'));
-  std::string error;
-  EXPECT_FALSE(load_image_file(
-      folder.path() / "a.ppm", true, [] { return GreyRange(); }, &error));
-  EXPECT_THAT(error, HasSubstr("32000 x 32000"));
+  EXPECT_THAT(load_image_file(folder.path() / "a.ppm", true, [] { return GreyRange(); }).error_text(),
+              HasSubstr("32000 x 32000"));
 }
 
 }  // namespace

@@ -14,11 +14,11 @@ namespace {
 
 using namespace testing;
 
-// What comes to the terminal while a recording is played to its end.
+// Plays a recording to its end. Returns what was printed to stderr.
 std::string printed_by(const std::string& input) {
   ::testing::internal::CaptureStderr();
   const OpenedSource opened = open_recording(input, {});
-  while (opened.ok() && opened.source->next()) continue;
+  while (opened.has_value() && (*opened)->next()) continue;
   std::fflush(stderr);
   return ::testing::internal::GetCapturedStderr();
 }
@@ -47,7 +47,7 @@ TEST(LibraryMessages, OfBrokenVideosDoNotReachTheUser) {
   std::string bytes = read_file(file);
   for (size_t i = bytes.size() / 3; i < 2 * bytes.size() / 3; i += 50) bytes[i] = 0x55;
   folder.write("v.avi", bytes);
-  ::testing::internal::CaptureStdout();  // where a log goes that was not started
+  ::testing::internal::CaptureStdout();  // a log that was not started goes there
   const std::string printed = printed_by(file);
   const std::string log = ::testing::internal::GetCapturedStdout();
   EXPECT_EQ(printed.find(" @ 0x"), std::string::npos) << printed;

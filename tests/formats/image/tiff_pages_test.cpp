@@ -32,12 +32,11 @@ class TiffPages : public ::testing::Test {
   }
   std::vector<cv::Mat> play(const fs::path& input) {
     const OpenedSource opened = open_recording(input.string(), at_rate_);
-    EXPECT_EQ(opened.error, "");
+    EXPECT_EQ(opened.error_text(), "");
     std::vector<cv::Mat> all;
-    std::string error;
-    while (const std::optional<image_t> image = opened.ok() ? opened.source->next() : std::nullopt)
-      all.push_back(decode_grey(*image, &error));
-    if (opened.ok()) skipped_ = opened.source->skipped();
+    while (const std::optional<image_t> image = opened.has_value() ? (*opened)->next() : std::nullopt)
+      all.push_back(decode_grey(*image).value());
+    if (opened.has_value()) skipped_ = (*opened)->skipped();
     return all;
   }
   TemporaryFolder folder_;
@@ -53,10 +52,10 @@ TEST_F(TiffPages, OfOneFileAreItsImages) {
     for (int i = 0; i < 12; ++i) EXPECT_EQ(cv::norm(images[i], picture(i), cv::NORM_INF), 0) << i;
     EXPECT_EQ(skipped_.total(), 0);
   }
-  EXPECT_THAT(open_frames(folder_.path(), {}).reader->notes(), Contains(HasSubstr("12 pages of 'stack.tif'")));
+  EXPECT_THAT(open_frames(folder_.path(), {}).value()->notes(), Contains(HasSubstr("12 pages of 'stack.tif'")));
   CameraOptions without;
   folder_.write("calibration.yaml", "fx: 50\nfy: 51\ncx: 32\ncy: 24\nwidth: 64\nheight: 48\n");
-  EXPECT_THAT(open_recording(folder_ / "stack.tif", without).error,
+  EXPECT_THAT(open_recording(folder_ / "stack.tif", without).error_text(),
               HasSubstr("the pages of a TIFF file have no times; give --rate HZ"));
 }
 
@@ -75,7 +74,7 @@ TEST_F(TiffPages, BehindTheFirstOfSeveralFilesCountAsLeftOut) {
   ASSERT_EQ(images.size(), 4u);
   EXPECT_EQ(cv::norm(images[3], picture(3), cv::NORM_INF), 0);
   EXPECT_EQ(skipped_.unreadable, 8);
-  EXPECT_THAT(open_frames(folder_.path(), {}).reader->notes(),
+  EXPECT_THAT(open_frames(folder_.path(), {}).value()->notes(),
               Contains(HasSubstr("4 of its TIFF files have several pages: the first page of each is played, 8")));
 }
 
@@ -94,7 +93,7 @@ TEST_F(TiffPages, OfDamagedFilesEnd) {
     EXPECT_LE(pages_of_tiff(folder_.write("b.tif", whole.substr(0, length))).size(), 3u);
   EXPECT_THAT(pages_of_tiff(folder_.write("b.tif", "not a TIFF")), IsEmpty());
   EXPECT_THAT(pages_of_tiff(folder_ / "missing.tif"), IsEmpty());
-  // A directory without entries whose next one is itself.
+  // A directory without entries that names itself as the next one.
   const std::string ring = std::string("II*\0\x08\0\0\0", 8) + std::string("\0\0\x08\0\0\0", 6);
   EXPECT_FALSE(pages_of_tiff(folder_.write("b.tif", ring)).empty());
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The downloads of TUM RGB-D, EuRoC and ICL-NUIM as they come, in small form, with the folder at whatever height.
+// Tests small versions of the downloads of TUM RGB-D, EuRoC and ICL-NUIM, given by the folder itself, one above it or
+// one inside.
 #include "formats/recording/dataset_folder.h"
 
 #include <gmock/gmock.h>
@@ -22,7 +23,7 @@ class Downloads : public ::testing::Test {
     options.rate_hz = rate_hz;
     return options;
   }
-  std::vector<std::string> notes_of(const fs::path& input) { return open_frames(input.string(), {}).reader->notes(); }
+  std::vector<std::string> notes_of(const fs::path& input) { return open_frames(input.string(), {}).value()->notes(); }
   TemporaryFolder folder_;
 };
 
@@ -47,7 +48,7 @@ TEST_F(Downloads, TheOneAboveMayHoldTheArchiveButNoSecondRecording) {
 TEST_F(Downloads, EurocIsPlayedAtEachHeight) {
   const fs::path euroc = write_euroc_download(folder_.path() / "unpacked");
   for (const fs::path& given : {euroc.parent_path(), euroc, euroc / "mav0", euroc / "mav0/cam0"}) {
-    EXPECT_THAT(times(given), ::testing::SizeIs(kImagesOfDownload)) << given;  // its sensor.yaml is the calibration
+    EXPECT_THAT(times(given), ::testing::SizeIs(kImagesOfDownload)) << given;  // its sensor.yaml has the calibration
     EXPECT_EQ(find_dataset(given).note.empty(), given != euroc.parent_path()) << given;
   }
 }

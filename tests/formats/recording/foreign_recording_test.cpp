@@ -34,7 +34,7 @@ TEST(ForeignRecording, PackedFilesSayHowTheyAreUnpacked) {
         {"walk.tar", "x"s, "`tar xf "},
         {"walk.mp4", "version https://git-lfs.github.com/spec/v1\n"s, "git lfs pull"}}) {
     const std::string file = folder.write(name, bytes);
-    EXPECT_THAT(open_recording(file, {}).error, AllOf(HasSubstr(file), HasSubstr(how)));
+    EXPECT_THAT(open_recording(file, {}).error_text(), AllOf(HasSubstr(file), HasSubstr(how)));
   }
 }
 
@@ -45,7 +45,7 @@ TEST(ForeignRecording, AddressesPipesAndPatternsSayWhatToGive) {
                                     {"-", "is a pipe"},
                                     {"/nowhere/%05d.jpg", "is a pattern"},
                                     {"/nowhere/left*.jpg", "is a pattern"}})
-    EXPECT_THAT(open_recording(input, {}).error, AllOf(HasSubstr(input), HasSubstr(what)));
+    EXPECT_THAT(open_recording(input, {}).error_text(), AllOf(HasSubstr(input), HasSubstr(what)));
   for (const char* name : {"walk.mp4", "50%.mp4", "50% done.mp4", "a//b", "c:/x.mp4"})
     EXPECT_EQ(advice_on_input(name), "");
 }
@@ -58,7 +58,7 @@ TEST(ForeignRecording, AVideoWithoutItsIndexWasNeverClosed) {
                     data =
                         "\0\0\0\0"
                         "mdat some pictures"s;
-  EXPECT_THAT(open_recording(folder.write("a.mp4", beginning + data), {}).error, HasSubstr("was never closed"));
+  EXPECT_THAT(open_recording(folder.write("a.mp4", beginning + data), {}).error_text(), HasSubstr("was never closed"));
   EXPECT_THAT(why_no_video(folder.write("b.mp4", beginning + "\0\0\0\x20"
                                                              "mdat abc"s)),
               HasSubstr("was never closed"));

@@ -12,7 +12,7 @@ using ::testing::HasSubstr;
 
 using Names = std::vector<std::string>;
 
-// `form` has one {} for a number.
+// Returns names with consecutive numbers; `form` has one {} for the number.
 Names numbered(const std::string& form, int count, int first = 0) {
   Names names;
   for (int i = 0; i < count; ++i) names.push_back(fmt::format(fmt::runtime(form), first + i));
@@ -27,7 +27,8 @@ Names together(const Names& a, const Names& b) {
 
 Names kept(const Names& names, const std::string& pattern = "") {
   Names all;
-  for (const size_t i : choose_images(names, pattern).kept) all.push_back(names[i]);
+  const Result<ImageChoice> choice = choose_images(names, pattern);
+  for (const size_t i : choice->kept) all.push_back(names[i]);
   return all;
 }
 
@@ -39,9 +40,9 @@ TEST(ImageChoice, ImagesOfOneCameraStayTogether) {
                              together(numbered("part1_{:04}.jpg", 9), numbered("part2_{:04}.jpg", 9, 9)),
                              together(numbered("walk{:03}.jpg", 9), numbered("back{:03}.jpg", 9, 9))}) {
     EXPECT_EQ(kept(names), names) << names.front();
-    EXPECT_EQ(choose_images(names, "").note, "") << names.front();
+    EXPECT_EQ(choose_images(names, "").value().note, "") << names.front();
   }
-  EXPECT_TRUE(choose_images({}, "").kept.empty());
+  EXPECT_TRUE(choose_images({}, "").value().kept.empty());
 }
 
 TEST(ImageChoice, TwoKindsThatCountAlikeAreToldApart) {
@@ -64,7 +65,7 @@ TEST(ImageChoice, TwoKindsThatCountAlikeAreToldApart) {
     const Names wanted = numbered(camera, 60), others = numbered(other, 60);
     for (const Names& names : {together(wanted, others), together(others, wanted)}) {
       EXPECT_EQ(kept(names), wanted) << camera;
-      EXPECT_THAT(choose_images(names, "").note, AllOf(HasSubstr("60 of"), HasSubstr("camera_driver.files")));
+      EXPECT_THAT(choose_images(names, "").value().note, AllOf(HasSubstr("60 of"), HasSubstr("camera_driver.files")));
     }
   }
 }
@@ -107,8 +108,8 @@ TEST(ImageChoice, APatternDecides) {
   const Names names = together(numbered("in/left{:04}.jpg", 6), numbered("in/right{:04}.jpg", 6));
   EXPECT_EQ(kept(names, "right*"), numbered("in/right{:04}.jpg", 6));
   EXPECT_EQ(kept(names, "in/*"), names);
-  EXPECT_EQ(choose_images(names, "right*").note, "");
-  EXPECT_THAT(choose_images(names, "middle*").error, AllOf(HasSubstr("middle*"), HasSubstr("in/left0000.jpg")));
+  EXPECT_EQ(choose_images(names, "right*").value().note, "");
+  EXPECT_THAT(choose_images(names, "middle*").error_text(), AllOf(HasSubstr("middle*"), HasSubstr("in/left0000.jpg")));
 }
 
 }  // namespace

@@ -16,14 +16,14 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr const char* kMark = "\xED\xA1\xDA\x01";  // begins an event
+constexpr const char* kMark = "\xED\xA1\xDA\x01";  // bytes with which an event begins
 
 std::string calibration(int fx) { return fmt::format("fx: {}\nfy: 51\ncx: 32\ncy: 24\nwidth: 64\nheight: 48\n", fx); }
 
 class LogFrames : public ::testing::Test {
  protected:
   LogFrames() { testing::write_file(folder_ / "calibration.yaml", kCalibration); }
-  // n images, 0.1 s apart.
+  // Writes a log of n images, 0.1 s apart.
   void write_log(int n) {
     LogWriter log(file_);
     for (int i = 0; i < n; ++i) {
@@ -35,14 +35,14 @@ class LogFrames : public ::testing::Test {
   }
   std::vector<image_t> play() {
     const OpenedSource opened = open_image_source(file_, options_);
-    EXPECT_EQ(opened.error, "");
+    EXPECT_EQ(opened.error_text(), "");
     std::vector<image_t> images;
-    while (std::optional<image_t> image = opened.ok() ? opened.source->next() : std::nullopt)
+    while (std::optional<image_t> image = opened.has_value() ? (*opened)->next() : std::nullopt)
       images.push_back(std::move(*image));
-    if (opened.ok()) skipped_ = opened.source->skipped();
+    if (opened.has_value()) skipped_ = (*opened)->skipped();
     return images;
   }
-  // Where the i-th event begins.
+  // Returns the position of the i-th event.
   static size_t begin_of(const std::string& bytes, int i) {
     size_t at = 0;
     for (int n = 0; n < i; ++n) at = bytes.find(kMark, at + 1);
@@ -145,7 +145,7 @@ TEST_F(LogFrames, KeepTheirOwnCalibrationWhereItChanges) {
   EXPECT_EQ(metadata(play().at(20), kCalibrationKey), metadata(play().at(0), kCalibrationKey)) << "that of the user";
 }
 
-// Some programs say it once.
+// Some programs send the calibration only once.
 TEST_F(LogFrames, WithoutACalibrationAreOfTheCameraBefore) {
   change_ = [](int i, image_t* image) {
     if (i % 15 == 0) set_metadata(image, kCalibrationKey, calibration(i < 15 ? 70 : 80));
@@ -161,7 +161,7 @@ TEST_F(LogFrames, OfNegativeTimesAreRefusedOrGetNewOnes) {
   change_ = [](int i, image_t* image) { image->utime = -3'000'000 + 100'000 * i; };
   write_log(40);
   EXPECT_THAT(
-      open_image_source(file_, options_).error,
+      open_image_source(file_, options_).error_text(),
       AllOf(HasSubstr("30 of its 40 images have negative times (the first -3.000000 s)"), HasSubstr("give --rate HZ")));
   options_.rate_hz = 10;
   const std::vector<image_t> images = play();
@@ -189,12 +189,12 @@ TEST_F(LogFrames, OfFormatsThatAreNotReadAreNamedByTheirLetters) {
       set_metadata(image, kCalibrationKey, kCalibration);
     };
     write_log(3);
-    EXPECT_THAT(open_image_source(file_, options_).error,
+    EXPECT_THAT(open_image_source(file_, options_).error_text(),
                 AllOf(HasSubstr("none of its images can be used"), HasSubstr(name)));
   }
   change_ = [](int, image_t* image) { image->row_stride = 0; };
   write_log(3);
-  EXPECT_THAT(open_image_source(file_, options_).error, HasSubstr("row_stride is 0"));
+  EXPECT_THAT(open_image_source(file_, options_).error_text(), HasSubstr("row_stride is 0"));
 }
 
 }  // namespace

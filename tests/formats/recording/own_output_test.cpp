@@ -19,10 +19,10 @@ TEST(OutputOfARun, IsNoRecording) {
   EXPECT_EQ(advice_on_own_output(folder.path()), "");
   folder.write("run.json", "{\n  \"program\": \"rumi\",\n  \"version\": \"1\"\n}\n");
   folder.write("trajectory.png", "x");
-  EXPECT_THAT(open_recording(folder.path().string(), {}).error, HasSubstr("is the output folder of a run"));
+  EXPECT_THAT(open_recording(folder.path().string(), {}).error_text(), HasSubstr("is the output folder of a run"));
   const std::string map = folder.write("map.db", "SQLite format 3\0..."s);
-  EXPECT_THAT(open_recording(map, {}).error, HasSubstr("rumi export-map"));
-  EXPECT_THAT(open_recording(map, {}).error, HasSubstr("localize_only=true --set map_server.database=" + map));
+  EXPECT_THAT(open_recording(map, {}).error_text(), HasSubstr("rumi export-map"));
+  EXPECT_THAT(open_recording(map, {}).error_text(), HasSubstr("localize_only=true --set map_server.database=" + map));
 }
 
 TEST(OutputOfARun, InAFolderOfImagesHidesThemNot) {
@@ -35,7 +35,7 @@ TEST(OutputOfARun, InAFolderOfImagesHidesThemNot) {
 TEST(CharacterDevices, AreCamerasIfTheyGiveVideo) {
   for (const char* device : {"/dev/null", "/dev/zero", "/dev/urandom"}) {
     EXPECT_FALSE(is_camera(device)) << device;
-    EXPECT_THAT(open_image_source(device, {}).error, HasSubstr("is not a camera, a file or a folder")) << device;
+    EXPECT_THAT(open_image_source(device, {}).error_text(), HasSubstr("is not a camera, a file or a folder")) << device;
   }
   EXPECT_TRUE(is_camera("/dev/video0"));
 }

@@ -20,10 +20,10 @@ constexpr int kPerPart = 10;
 
 class RecordingParts : public Bags {
  protected:
-  // Images first to first + 9, 0.1 s apart.
+  // Writes a bag with the images first to first + 9, 0.1 s apart.
   void write_bag_part(const std::string& kind, const std::string& name, int first) {
     messages_.clear();
-    if (first == 0) add_info(kind);  // as it is said once
+    if (first == 0) add_info(kind);  // camera_info is only in the first part
     for (int i = first; i < first + kPerPart; ++i) add_image(kind, i);
     fs::rename(write(kind), folder_ / name);
   }
@@ -41,7 +41,7 @@ class RecordingParts : public Bags {
     ASSERT_EQ(images.size(), static_cast<size_t>(parts * kPerPart));
     for (size_t i = 0; i < images.size(); ++i) EXPECT_EQ(images[i].utime, stamp_ns(static_cast<int>(i)) / 1000);
     EXPECT_EQ(skipped_.total(), 0);
-    EXPECT_THAT(open_frames(folder_.path(), {}).reader->notes(),
+    EXPECT_THAT(open_frames(folder_.path(), {}).value()->notes(),
                 Contains(HasSubstr(fmt::format("its {} files are played as one recording", parts))));
   }
 };
@@ -63,7 +63,7 @@ TEST_F(RecordingParts, OfBagsAreOneRecordingInTheOrderOfTheirNumbers) {
 TEST_F(RecordingParts, OfLogsAreOneRecordingInTheOrderOfTheirTimes) {
   for (const auto& names : {std::vector{"walk.lcm.00", "walk.lcm.01", "walk.lcm.02"},
                             {"walk_1.lcm", "walk_2.lcm", "walk_10.lcm"},
-                            {"walk.lcm.2", "walk.lcm.1", "walk.lcm.0"}}) {  // lcm-logger --rotate
+                            {"walk.lcm.2", "walk.lcm.1", "walk.lcm.0"}}) {  // as lcm-logger --rotate names them
     SCOPED_TRACE(names[0]);
     for (int part = 0; part < 3; ++part) write_log_part(names[part], part * kPerPart);
     expect_all(3);
@@ -75,7 +75,7 @@ TEST_F(RecordingParts, WithoutImagesAreToldOf) {
   write_log_part("walk.lcm.00", 0);
   write_log_part("walk.lcm.01", kPerPart, "OTHER");
   EXPECT_EQ(play(folder_.path()).size(), static_cast<size_t>(kPerPart));
-  EXPECT_THAT(open_frames(folder_.path(), {}).reader->notes(),
+  EXPECT_THAT(open_frames(folder_.path(), {}).value()->notes(),
               Contains(AllOf(HasSubstr("walk.lcm.01"), HasSubstr("OTHER (10)"))));
 }
 
@@ -87,8 +87,7 @@ TEST_F(RecordingParts, OneOfThemSaysThatAnotherGoesOn) {
   const auto note = [this](const std::string& name) {
     const OpenedReader opened = open_frames(folder_ / name, {});
     const FirstRecorded first = name.ends_with("db3") ? first_recorded_in_bag : first_recorded_in_log;
-    return opened.reader ? note_on_next_part(folder_ / name, opened.reader->last_recorded_us().value_or(0), first)
-                         : "?";
+    return opened ? note_on_next_part(folder_ / name, (*opened)->last_recorded_us().value_or(0), first) : "?";
   };
   EXPECT_THAT(note("walk_0.db3"), HasSubstr("walk_1.db3 beside it goes on where it ends, and is not played"));
   EXPECT_EQ(note("walk_1.db3"), "");
@@ -105,7 +104,7 @@ TEST_F(RecordingParts, OfVideosSayHowToJoinThem) {
 }
 
 TEST_F(RecordingParts, FarFromEachOtherAreRecordingsByThemselves) {
-  constexpr int kHours = 100'000;  // images
+  constexpr int kHours = 100'000;  // number of images from the first part to the second
   write_bag_part("mcap", "walk_1.mcap", 0);
   write_bag_part("mcap", "walk_2.mcap", kHours);
   EXPECT_THAT(error_of(folder_.path()), AllOf(HasSubstr("walk_2.mcap was begun 9999.1 s after the end of walk_1.mcap"),
@@ -150,7 +149,7 @@ TEST_F(RecordingParts, ThatTheListDoesNotNameAreToldOf) {
   write_bag_part("sqlite", "r_1.db3", kPerPart);
   folder_.write("metadata.yaml", "rosbag2_bagfile_information:\n  relative_file_paths: [r_0.db3]\n");
   EXPECT_EQ(play(folder_.path()).size(), static_cast<size_t>(kPerPart));
-  EXPECT_THAT(open_frames(folder_.path(), {}).reader->notes(),
+  EXPECT_THAT(open_frames(folder_.path(), {}).value()->notes(),
               Contains(AllOf(HasSubstr("r_1.db3 is in it and not played"), HasSubstr("ros2 bag reindex"))));
 }
 

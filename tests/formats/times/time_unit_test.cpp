@@ -10,7 +10,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-// 90 images at a rate, written in a unit of which a second has `per_second`.
+// Returns the times of 90 images at this rate, in a unit that has `per_second` to the second.
 std::vector<std::string> times(double per_second, double rate_hz, double first_s = 1.4e9) {
   std::vector<std::string> all;
   for (int i = 0; i < 90; ++i) all.push_back(fmt::format("{:.6f}", (first_s + i / rate_hz) * per_second));

@@ -21,7 +21,7 @@ TEST(Timestamps, SecondsAreExact) {
   EXPECT_EQ(seconds("0.00000049999"), 0);
   EXPECT_EQ(seconds(".5"), 500000);
   EXPECT_EQ(seconds("5e-1"), 500000);
-  // Every microsecond around a present time is told from its neighbours.
+  // Around a present time, each microsecond differs from its neighbours.
   for (int64_t us = 1999999999000000; us < 1999999999002000; ++us) EXPECT_EQ(seconds(format_seconds(us)), us);
 }
 

@@ -34,7 +34,7 @@ class TruthTest : public ::testing::Test {
   testing::TemporaryFolder folder_;
 };
 
-// Three images, 0.1 s apart.
+// Returns options for a recording of three images, 0.1 s apart.
 TruthOptions of_run(int64_t first_us = kStart_us, double rate_hz = 0) {
   return {rate_hz, RunTimes{first_us, first_us + 200'000, 100'000}};
 }
@@ -56,7 +56,7 @@ TEST_F(TruthTest, OfIclNuimIsMirrored) {
   EXPECT_THAT(mirrored.notes, ::testing::Contains(HasSubstr("whose y points up: mirrored")));
   const SE3 &pose = mirrored.poses[0].map_from_cam, as_written = read(text, of_run(0, 10)).poses[0].map_from_cam;
   EXPECT_EQ(pose.translation, Eigen::Vector3d(1, -2, 3));
-  // The same point, mirrored in the camera and in the world.
+  // If a point is mirrored in the camera's frame, its place in the mirrored world is mirrored, too.
   const Eigen::Vector3d point(0.5, 0.25, 2), mirror(1, -1, 1);
   const Eigen::Vector3d there = as_written * point;
   EXPECT_LT((pose * mirror.cwiseProduct(point) - mirror.cwiseProduct(there)).norm(), 1e-12);
@@ -154,7 +154,7 @@ TEST_F(TruthTest, UnitsOfTimeAreToldApart) {
   }
   EXPECT_EQ(read("1400000000000000999 1 2 3 0 0 0 1\n").poses[0].utime_us, kStart_us);
   EXPECT_EQ(read("1400000000033.5 1 2 3 0 0 0 1\n").poses[0].utime_us, kStart_us + 33'500);
-  // Since a device was switched on, 5 s before.
+  // Times count from when a device was switched on, 5 s before the first image.
   const std::string since_start = "5000000000 1 2 3 0 0 0 1\n5100000000 1 2 3 0 0 0 1\n5200000000 1 2 3 0 0 0 1\n";
   EXPECT_EQ(read(since_start, of_run(5'000'000)).poses[1].utime_us, 5'100'000);
 }
@@ -166,7 +166,7 @@ TEST_F(TruthTest, NumbersOfImagesAreNoTimes) {
   ASSERT_EQ(at_rate.poses.size(), 3u);
   EXPECT_EQ(at_rate.poses[0].utime_us, 33'333);
   EXPECT_EQ(at_rate.poses[1].utime_us, 66'667);
-  // Images a second apart, too.
+  // If images are a second apart, such numbers are times.
   EXPECT_EQ(read(numbers, {0, RunTimes{0, 3'000'000, 1'000'000}}).poses.size(), 3u);
   EXPECT_THAT(read("0 0 0 0 0 0 0 1\n10 0 0 0 0 0 0 1\n20 0 0 0 0 0 0 1\n", of_run(0)).hint,
               HasSubstr("--groundtruth-rate"));
@@ -229,7 +229,7 @@ TEST_F(TruthTest, OfEurocBecomesThatOfTheCamera) {
   ASSERT_EQ(result.poses.size(), 1u);
   EXPECT_THAT(result.notes, IsEmpty());
   EXPECT_EQ(result.poses[0].utime_us, 1403715886584058);
-  // The body is turned half a turn about z: the camera, half a metre along the body's x, is at smaller x.
+  // The body is turned by half a turn about z: the camera, half a metre along the body's x, is at a smaller x.
   EXPECT_NEAR(result.poses[0].map_from_cam.translation.x(), 0.5, 1e-9);
   EXPECT_NEAR(result.poses[0].map_from_cam.translation.y(), 2.0, 1e-9);
 }

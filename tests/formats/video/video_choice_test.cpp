@@ -26,15 +26,15 @@ class VideoChoiceTest : public ::testing::Test {
   }
   std::vector<std::string> notes_of(const std::string& name) {
     const OpenedReader opened = open_frames(folder_ / name, {});
-    EXPECT_EQ(opened.error, "");
-    return opened.reader ? opened.reader->notes() : std::vector<std::string>();
+    EXPECT_EQ(opened.error_text(), "");
+    return opened ? (*opened)->notes() : std::vector<std::string>();
   }
-  // The size of the images that are played; 0 if none are.
+  // Returns the width of the images that are played; 0 if none are.
   int width_of(const std::string& name) {
     const OpenedSource opened = open_image_source(folder_ / name, {});
-    EXPECT_EQ(opened.error, "");
+    EXPECT_EQ(opened.error_text(), "");
     int images = 0, width = 0;
-    while (const std::optional<image_t> image = opened.ok() ? opened.source->next() : std::nullopt) {
+    while (const std::optional<image_t> image = opened.has_value() ? (*opened)->next() : std::nullopt) {
       ++images;
       width = image->width;
     }

@@ -20,23 +20,22 @@ class VideoFramesTest : public ::testing::Test {
     if (!write_video(file, options)) GTEST_SKIP() << "this FFmpeg cannot write such a video";
     testing::write_file(folder_ / "calibration.yaml", kCalibration);
   }
-  // The grey value in the middle of each image that is published.
+  // Returns the grey value in the middle of each image that is published.
   std::vector<int> play(const fs::path& file, const CameraOptions& options = {}) {
     OpenedSource opened = open_image_source(file.string(), options);
-    EXPECT_EQ(opened.error, "");
+    EXPECT_EQ(opened.error_text(), "");
     std::vector<int> values;
-    while (const std::optional<image_t> image = opened.ok() ? opened.source->next() : std::nullopt) {
-      std::string error;
-      values.push_back(decode_grey(*image, &error).at<uint8_t>(24, 32));
+    while (const std::optional<image_t> image = opened.has_value() ? (*opened)->next() : std::nullopt) {
+      values.push_back(decode_grey(*image).value().at<uint8_t>(24, 32));
     }
-    if (opened.ok()) skipped_ = opened.source->skipped();
+    if (opened.has_value()) skipped_ = (*opened)->skipped();
     return values;
   }
   TemporaryFolder folder_;
   SkippedFrames skipped_;
 };
 
-// In a video from 16 to 235.
+// In the video, brightness goes from 16 to 235.
 TEST_F(VideoFramesTest, AreOfTheWholeRangeOfGrey) {
   VideoOptions options;
   write(folder_ / "v.mp4", options);
@@ -45,7 +44,7 @@ TEST_F(VideoFramesTest, AreOfTheWholeRangeOfGrey) {
   for (int i = 0; i < 30; ++i) EXPECT_NEAR(values[i], (40 + 5 * i - 16) * 255.0 / 219, 2) << i;
 }
 
-// FFV1 keeps each value.
+// The codec FFV1 keeps each value.
 TEST_F(VideoFramesTest, Of16BitsHaveOneRange) {
   VideoOptions options;
   options.container = "matroska";
@@ -54,7 +53,7 @@ TEST_F(VideoFramesTest, Of16BitsHaveOneRange) {
   write(folder_ / "thermal.mkv", options);
   std::vector<int> values = play(folder_ / "thermal.mkv");
   ASSERT_EQ(values.size(), 30u);
-  for (int i = 0; i < 30; ++i) EXPECT_NEAR(values[i], 255.0 * i / 29, 1) << i;  // 1000 to 3900
+  for (int i = 0; i < 30; ++i) EXPECT_NEAR(values[i], 255.0 * i / 29, 1) << i;  // the pixels have 1000 to 3900
 
   CameraOptions of_the_user;
   of_the_user.grey_range = "0:10200";
@@ -76,7 +75,7 @@ TEST_F(VideoFramesTest, OfAnotherSizeAreLeftOut) {
   EXPECT_EQ(skipped_.wrong_size, 30);
 }
 
-// Without times of showing in its packets (AVI), or with some only (MPEG's program streams).
+// Packets have no times of showing (AVI), or only some have one (MPEG's program streams).
 TEST_F(VideoFramesTest, AreShownInTheirOrderWhateverIsStored) {
   for (const auto& [container, codec] : {std::pair{"avi", AV_CODEC_ID_H264},
                                          {"avi", AV_CODEC_ID_MPEG4},
@@ -93,11 +92,11 @@ TEST_F(VideoFramesTest, AreShownInTheirOrderWhateverIsStored) {
     EXPECT_TRUE(std::is_sorted(values.begin(), values.end())) << file;
     std::vector<int64_t> expected;
     for (int i = 0; i < 30; ++i) expected.push_back(i * options.step_us);
-    EXPECT_EQ(open_frames(file.string(), {}).reader->utimes(), expected) << file;
+    EXPECT_EQ(open_frames(file.string(), {}).value()->utimes(), expected) << file;
   }
 }
 
-// One that cannot be decoded does not move the others.
+// A frame that cannot be decoded does not change the times of the others.
 TEST_F(VideoFramesTest, KeepTheirTimesBehindDamage) {
   VideoOptions options;
   options.codec = AV_CODEC_ID_MJPEG;
@@ -106,22 +105,21 @@ TEST_F(VideoFramesTest, KeepTheirTimesBehindDamage) {
   write(folder_ / "v.mov", options);
   std::string bytes = read_file(folder_ / "v.mov");
   size_t at = 0;
-  for (int i = 0; i <= 3; ++i) at = bytes.find("\xFF\xD8\xFF", at + 1);  // begin of the fourth JPEG
+  for (int i = 0; i <= 3; ++i) at = bytes.find("\xFF\xD8\xFF", at + 1);  // beginning of the fourth JPEG
   bytes.replace(at, 200, std::string(200, '\0'));
   testing::write_file(folder_ / "damaged.mov", bytes);
   const OpenedSource opened = open_image_source(folder_ / "damaged.mov", {});
-  ASSERT_EQ(opened.error, "");
+  ASSERT_EQ(opened.error_text(), "");
   int images = 0;
-  while (const std::optional<image_t> image = opened.source->next()) {
-    std::string error;
-    EXPECT_NEAR(decode_grey(*image, &error).at<uint8_t>(24, 32), 40 + 5 * (image->utime / options.step_us), 3);
+  while (const std::optional<image_t> image = (*opened)->next()) {
+    EXPECT_NEAR(decode_grey(*image).value().at<uint8_t>(24, 32), 40 + 5 * (image->utime / options.step_us), 3);
     ++images;
   }
   EXPECT_EQ(images, 29);
-  EXPECT_EQ(opened.source->skipped().unreadable, 1);
+  EXPECT_EQ((*opened)->skipped().unreadable, 1);
 }
 
-// The decoder hides it by guessing.
+// The decoder hides the damage by guessing.
 TEST_F(VideoFramesTest, ThatFfmpegFindsDamagedAreLeftOut) {
   VideoOptions options;
   options.codec = AV_CODEC_ID_MPEG4;
@@ -130,7 +128,7 @@ TEST_F(VideoFramesTest, ThatFfmpegFindsDamagedAreLeftOut) {
   write(folder_ / "v.mkv", options);
   std::string bytes = read_file(folder_ / "v.mkv");
   size_t at = 0;
-  for (int i = 0; i < 8; ++i) at = bytes.find(std::string("\0\0\1\xB6", 4), at + 1);  // begin of a picture
+  for (int i = 0; i < 8; ++i) at = bytes.find(std::string("\0\0\1\xB6", 4), at + 1);  // beginning of a picture
   ASSERT_NE(at, std::string::npos);
   for (size_t i = at + 6; i < at + 14; ++i) bytes[i] = static_cast<char>(~bytes[i]);
   testing::write_file(folder_ / "damaged.mkv", bytes);
@@ -153,7 +151,7 @@ TEST_F(VideoFramesTest, OfACutOffFileAreCountedByItsLength) {
   EXPECT_LT(played, 90);
   EXPECT_NEAR(static_cast<double>(skipped_.unreadable + played), 100, 3);
   EXPECT_FALSE(skipped_.complaints(played).empty());
-  EXPECT_THAT(open_frames(folder_ / "cut.mkv", {}).reader->notes(),
+  EXPECT_THAT(open_frames(folder_ / "cut.mkv", {}).value()->notes(),
               Contains(HasSubstr("images that its header promises")));
 
   CameraOptions beginning;
@@ -166,10 +164,9 @@ TEST_F(VideoFramesTest, CanBeHadInAnyOrder) {
   VideoOptions options;
   write(folder_ / "v.mp4", options);
   const OpenedReader opened = open_frames(folder_ / "v.mp4", {});
-  ASSERT_TRUE(opened.reader);
-  std::string error;
+  ASSERT_TRUE(opened);
   for (const size_t frame : {20, 3, 29, 0, 0})
-    EXPECT_NEAR(opened.reader->load(frame, false, &error)->data[24 * 64 + 32], (24 + 5.0 * frame) * 255 / 219, 2);
+    EXPECT_NEAR((*opened)->load(frame, false)->data[24 * 64 + 32], (24 + 5.0 * frame) * 255 / 219, 2);
 }
 
 }  // namespace

@@ -14,16 +14,16 @@ namespace {
 using namespace testing;
 using ::testing::HasSubstr;
 
-// Of the images that camera_driver would publish: times, and that each is the picture of its time.
+// Returns the times of the images that camera_driver would publish. Checks that the pictures grow brighter with time,
+// so that each one has its own time.
 std::vector<int64_t> play(const fs::path& file, const CameraOptions& options = {}) {
   const OpenedSource opened = open_image_source(file.string(), options);
-  EXPECT_EQ(opened.error, "");
+  EXPECT_EQ(opened.error_text(), "");
   std::vector<int64_t> times;
   double last = 0;
-  while (const std::optional<image_t> image = opened.ok() ? opened.source->next() : std::nullopt) {
+  while (const std::optional<image_t> image = opened.has_value() ? (*opened)->next() : std::nullopt) {
     times.push_back(image->utime);
-    std::string error;
-    const double brightness = cv::mean(decode_grey(*image, &error))[0];
+    const double brightness = cv::mean(decode_grey(*image).value())[0];
     EXPECT_GT(brightness, last) << "frame " << times.size();
     last = brightness;
   }
@@ -72,7 +72,7 @@ TEST_F(VideoTimesTest, WithoutThemARateIsAskedFor) {
   VideoOptions options;
   options.container = "h264";
   write("v.h264", options);
-  EXPECT_THAT(open_image_source(folder_ / "v.h264", {}).error, HasSubstr("no times; give --rate HZ"));
+  EXPECT_THAT(open_image_source(folder_ / "v.h264", {}).error_text(), HasSubstr("no times; give --rate HZ"));
   CameraOptions at_rate;
   at_rate.rate_hz = 10;
   const std::vector<int64_t> times = play(folder_ / "v.h264", at_rate);

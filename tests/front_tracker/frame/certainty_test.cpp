@@ -16,15 +16,15 @@ namespace {
 constexpr int kTrials = 200;
 constexpr double kNoise_px = 1.0;
 
-// Standard deviation over trials against what was told beforehand: within a fifth.
+// Expects the standard deviation over the trials to be within a fifth of the predicted one.
 void expect_honest(double sum_of_squares, double told_variance, const char* what) {
   const double ratio = std::sqrt(sum_of_squares / kTrials / told_variance);
   EXPECT_GT(ratio, 0.8) << what;
   EXPECT_LT(ratio, 1.2) << what;
 }
 
-// Landmarks that are known across the rays of a camera at the origin, and little along them; and a frame that sees
-// them.
+// Landmarks whose positions are known well across the rays of a camera at the origin and poorly along them, and a frame
+// that sees them.
 struct SeenLandmarks {
   Submap submap;
   Frame frame;
@@ -48,7 +48,8 @@ SeenLandmarks see(const std::vector<Eigen::Vector3d>& points, const SE3& cam_fro
   return seen;
 }
 
-// What is told: a coordinate's share of the trace, and what was known of the keyframe that the frame hangs on.
+// A sigma is for one coordinate, so its square is a third of the covariance's trace. The covariance of the reference
+// keyframe is added.
 TEST(Certainty, WhatIsToldAddsWhatWasKnownOfTheKeyframe) {
   FrontSubmap submap;
   submap.map.keyframes[3].id = 3;
@@ -64,7 +65,7 @@ TEST(Certainty, WhatIsToldAddsWhatWasKnownOfTheKeyframe) {
   };
   expect(std::sqrt(3), std::sqrt(0.06));
   frame.reference_keyframe = 3;
-  expect(std::sqrt(3), std::sqrt(0.06));  // one of the first: it says where the submap is
+  expect(std::sqrt(3), std::sqrt(0.06));  // one of the first keyframes: it defines the submap's frame
   PoseCertainty of_keyframe;
   of_keyframe.twist_covariance.diagonal() << 3, 3, 3, 0.03, 0.03, 0.03;
   note_certainty(3, of_keyframe, &submap);
@@ -89,7 +90,7 @@ TEST(Certainty, APoseIsOffByAsMuchAsItsCovarianceSays) {
       const Eigen::Matrix3d root = Eigen::Matrix3d(lm.information.inverse()).llt().matrixL();
       const Eigen::Vector3d off(normal(scene.rng()), normal(scene.rng()), normal(scene.rng()));
       const Eigen::Vector2d pixel = camera.project_undistorted(truth * lm.position) + scene.noise(kNoise_px);
-      // Weighed by what is known of it, as the covariance supposes.
+      // The whitening includes the landmark's uncertainty, as the covariance supposes.
       const Eigen::Vector3d p = truth * lm.position;
       Eigen::Matrix<double, 2, 3> d;
       d << camera.fx / p.z(), 0, -camera.fx * p.x() / (p.z() * p.z()), 0, camera.fy / p.z(),
@@ -110,7 +111,8 @@ TEST(Certainty, APoseIsOffByAsMuchAsItsCovarianceSays) {
   expect_honest(rotation2, covariance.bottomRightCorner<3, 3>().trace(), "rotation");
 }
 
-// Two views and one between them, adjusted with their points, the distance of the two being held.
+// Adjusts two views, a third one between them, and their points. The direction to the second view must be as uncertain
+// as predicted.
 TEST(Certainty, TheDirectionOfAMotionIsOffByAsMuchAsItsCovarianceSays) {
   const Camera camera = test_camera();
   SyntheticScene scene(5);
@@ -156,7 +158,7 @@ TEST(Certainty, FewLandmarksInACornerLeaveTheImageUncertain) {
   EXPECT_GT(certainty_of(submap->map, submap->octave_scales, frame).image_px, 5 * all_px);
 }
 
-// What is handed on from landmark to landmark adds up; an old landmark that is seen again brings it back.
+// Scale errors add up from landmark to landmark; observing an old landmark again would bring the scale back.
 TEST(Certainty, TheScaleIsCarriedByLandmarks) {
   FeatureScene scene(2);
   const auto submap = scene.submap({SE3(), SyntheticScene::pose(0.3, 0, 0), SyntheticScene::pose(0.301, 0, 0)});

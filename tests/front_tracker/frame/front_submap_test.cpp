@@ -10,7 +10,7 @@
 namespace rumi::front_tracker {
 namespace {
 
-// What is left out is the left part of the image, which the camera sees move to the right.
+// The mask leaves out the left part of the image. Things move to the right in the image.
 TEST(FrontSubmap, ForgetsWhatMostKeyframesSawWhereNothingIsTheWorld) {
   FeatureScene scene(1);
   const auto submap =

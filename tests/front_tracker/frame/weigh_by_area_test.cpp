@@ -20,7 +20,7 @@ std::vector<PointObservation> see(SyntheticScene& scene, const SE3& pose, const 
   return observations;
 }
 
-// The side of a lorry: a fifth of the image's width and height, at 4 m.
+// Returns points on the side of a lorry: a fifth of the image's width and height, 4 m away.
 std::vector<Eigen::Vector3d> lettering(SyntheticScene& scene, int count) {
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < count; ++i) points.emplace_back(scene.uniform(-0.4, 0.4), scene.uniform(-0.3, 0.3), 4.0);
@@ -53,7 +53,8 @@ TEST(WeighByArea, BesideTheImageAndNowhereAreInCellsToo) {
   EXPECT_TRUE(none.empty());
 }
 
-// A lorry keeps pace with the camera: where the camera was, it still is. It has more landmarks than the street.
+// A lorry keeps pace with the camera, so its landmarks say that the camera has not moved. It has more of them than the
+// street.
 TEST(WeighByArea, ALorryDoesNotOutvoteTheStreet) {
   int outvoted = 0;
   constexpr int kSeeds = 20;

@@ -15,7 +15,7 @@ std::optional<InitialMap> run(FeatureScene& scene, const Motion& motion, int fra
   Initializer initializer(test_camera(), {}, test_octave_scales());
   for (int i = 0; i < frames; ++i) {
     auto map = initializer.add(scene.frame(33'333 * (i + 1), motion(i)));
-    if (map) return map;
+    if (map) return std::move(*map);
   }
   if (refusal) *refusal = initializer.refusal();
   return std::nullopt;
@@ -125,8 +125,8 @@ TEST(Initializer, APlaneBeginsRightOrNotAtAll) {
   EXPECT_GE(begun, 3);
 }
 
-// Two views of a plane allow another motion: one along the plane's normal, seen with the parallax that driving towards
-// the plane at a slant does not have. Where the wall is a little uneven the true motion fits better.
+// Two views of a plane allow a second, wrong motion: one along the plane's normal. It has parallax, unlike the true
+// motion, which leads towards the plane at a slant. The wall is a little uneven, so the true motion fits better.
 TEST(Initializer, TheGhostOfDrivingTowardsAWallIsNoStart) {
   for (unsigned seed = 0; seed < 8; ++seed) {
     FeatureScene scene(seed);
@@ -152,7 +152,7 @@ TEST(Initializer, UnrelatedImagesAndEmptyOnesGiveNothing) {
   }
 }
 
-// Hours in the dark must not fill the memory, nor seconds without parallax.
+// Neither hours in the dark nor seconds without parallax may fill the memory.
 TEST(Initializer, KeepsImagesOnlyOfWhatMayBecomeAKeyframe) {
   FeatureScene scene(0);
   Initializer initializer(test_camera(), {}, test_octave_scales());
@@ -166,7 +166,7 @@ TEST(Initializer, KeepsImagesOnlyOfWhatMayBecomeAKeyframe) {
     return initializer.add(std::move(frame));
   };
   constexpr int kDark = 5;
-  std::optional<InitialMap> map;
+  Result<InitialMap> map = Error{"not begun"};
   for (int i = 0; i < 60 && !map; ++i) map = add(SyntheticScene::pose(0.03 * (i - kDark), 0, 0), i < kDark);
   ASSERT_TRUE(map);
   for (const auto& images : given) EXPECT_TRUE(images.expired()) << "the smaller images are not kept";

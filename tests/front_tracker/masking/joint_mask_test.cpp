@@ -6,7 +6,7 @@
 namespace rumi::front_tracker {
 namespace {
 
-// The columns from `first` to the one before `end` are left out.
+// Returns a mask that leaves out the columns from `first` to the one before `end`.
 ImageMask columns(int first, int end) {
   cv::Mat pixels(10, 100, CV_8U, cv::Scalar(255));
   pixels.colRange(first, end).setTo(0);
@@ -32,7 +32,7 @@ TEST(JointMask, IsMadeOnceForTheSameTwo) {
   EXPECT_NE(joint.join(right, left).pixels().data, nullptr);
 }
 
-// Freed pixels must not make another mask look like the one that had them.
+// Another mask may get the memory of a freed one. It must not be taken for the freed one.
 TEST(JointMask, AMaskThatFollowsAnotherIsNotTakenForIt) {
   JointMask joint;
   const ImageMask still = columns(50, 60);

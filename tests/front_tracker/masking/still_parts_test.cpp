@@ -13,7 +13,7 @@ constexpr int kWidth = 320, kHeight = 240, kFirstVerdict = 16;
 constexpr int64_t kPeriod_us = 200'000;
 const cv::Rect kBar(0, 200, kWidth, 40);
 
-// Blobs of a few pixels everywhere.
+// Returns an image with blobs of a few pixels everywhere.
 cv::Mat texture(const cv::Size& size, int seed) {
   cv::Mat image(size, CV_8U);
   cv::RNG rng(static_cast<uint64_t>(seed));
@@ -23,14 +23,14 @@ cv::Mat texture(const cv::Size& size, int seed) {
   return image;
 }
 
-// What a camera sees of a textured world that passes by, a few pixels between one look and the next.
+// Returns the view of a camera that moves past a textured world, by a few pixels from one look to the next.
 cv::Mat world(int look) {
   static const cv::Mat whole = texture({3 * kWidth, 3 * kHeight}, 1);
-  const auto swing = [](int at, int range) { return std::abs(at % (2 * range) - range); };  // there and back
+  const auto swing = [](int at, int range) { return std::abs(at % (2 * range) - range); };  // back and forth
   return whole({swing(7 * look, 2 * kWidth), swing(5 * look, 2 * kHeight), kWidth, kHeight}).clone();
 }
 
-// With a textured bar at the bottom that never moves.
+// Returns world() with a textured bar at the bottom that never moves.
 cv::Mat world_with_bar(int look) {
   static const cv::Mat bar = texture(kBar.size(), 2);
   cv::Mat image = world(look);
@@ -47,7 +47,7 @@ const cv::Rect kAboveTheBar(0, 0, kWidth, 180);
 
 class StillPartsTest : public ::testing::Test {
  protected:
-  // Whether the mask changed.
+  // Returns whether the mask changed.
   bool add(const cv::Mat& image, const ImageMask& known = {}) {
     return parts_.add(kPeriod_us * added_++, image, known);
   }
@@ -112,7 +112,7 @@ TEST_F(StillPartsTest, WhatMovesAfterAllIsWithdrawn) {
   EXPECT_TRUE(parts_.mask().is_everything()) << left_out(parts_.mask(), kBar);
 }
 
-// Of a bonnet only the contour is still; its paint mirrors what passes by.
+// Only the contour of a bonnet is still; its paint mirrors what passes by.
 TEST_F(StillPartsTest, WhatABonnetsContourEnclosesIsLeftOut) {
   cv::Mat bonnet = cv::Mat::zeros(kHeight, kWidth, CV_8U), contour = bonnet.clone();
   const cv::Point middle(kWidth / 2, kHeight);
@@ -150,7 +150,7 @@ TEST_F(StillPartsTest, ABarThatTheUserLeavesOutIsNotSaidAgain) {
   look_at_bar(30, ImageMask(pixels));
   EXPECT_EQ(left_out(parts_.mask(), kBar), 0);
   EXPECT_EQ(left_out(parts_.mask(), kAboveTheBar), 0);
-  pixels.rowRange(190, 200).setTo(0);  // with what its edge may touch
+  pixels.rowRange(190, 200).setTo(0);  // also leaves out rows that the bar's edge may touch
   parts_ = {};
   look_at_bar(30, ImageMask(pixels));
   EXPECT_TRUE(parts_.mask().is_everything());

@@ -16,7 +16,7 @@ struct Case {
   Frame then = scene.frame(0, pose_then, &point_then), now = scene.frame(1, pose_now, &point_now);
 
   Case() {
-    for (Frame* frame : {&then, &now})  // coarse enough to tell a rotation by
+    for (Frame* frame : {&then, &now})  // coarse octaves: estimate_motion() uses no others
       for (Keypoint& k : const_cast<Features&>(*frame->features).keypoints) k.octave = 3;
     then.cam_from_submap = pose_then;
   }

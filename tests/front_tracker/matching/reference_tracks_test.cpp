@@ -38,7 +38,7 @@ Followed follow(const std::function<SE3(int)>& motion, int frames) {
 }
 
 TEST(ReferenceTracks, FollowsAFastTurnAndSeesThatItIsNoMore) {
-  // Ten degrees from frame to frame: 90 pixels.
+  // Ten degrees from one frame to the next are 90 pixels.
   const Followed turn = follow([](int i) { return SyntheticScene::pose(0, 0, 0, 0.17 * i); }, 4);
   EXPECT_GT(turn.right, 50);
   EXPECT_LT(turn.wrong, 0.02 * turn.right);

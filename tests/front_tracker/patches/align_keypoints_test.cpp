@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Keypoints of rendered images against the true epipolar geometry.
+// Compares keypoints of rendered images with the true epipolar geometry.
 #include "front_tracker/patches/align_keypoints.h"
 
 #include <gtest/gtest.h>
@@ -16,8 +16,8 @@ using testing::frame_of;
 using testing::submap_of;
 using testing::walk;
 
-// Median distance of the frame's keypoints from the true epipolar lines of those of keyframe 0 that see the same
-// landmarks, in pixels of their level.
+// Returns the median distance of the frame's keypoints from the true epipolar lines of the keypoints of keyframe 0 that
+// observe the same landmarks, in pixels of their level.
 double epipolar_error(const FrontSubmap& s, const Features& features, const std::vector<int>& landmark_ids,
                       const SE3& cam_from_room) {
   const Keyframe& kf = *s.map.keyframe(0);
@@ -69,7 +69,8 @@ TEST(AlignKeypoints, WithoutImagesNothingMoves) {
     EXPECT_EQ(frame.features->keypoints[i].pixel, features->keypoints[i].pixel);
 }
 
-// From one frame to the next templates are kept, where the patches have not changed, and forgotten some frames later.
+// Templates are kept from frame to frame as long as the patches hardly change, and forgotten after some frames without
+// use.
 TEST(PatchTemplates, AreKeptWhileTheyFit) {
   const auto s = submap_of({20, 32});
   const ImagePyramid& images = *s->images.at(0);
@@ -126,7 +127,7 @@ TEST(KeyframeAligner, FeaturesOfAKeyframeThatChangedAreSentAgainOnceTheyAreFinal
   EXPECT_LT(aligned, 0.5 * error) << error << " px before, " << aligned << " px after";
 
   s->map.revision = 7;
-  s->keep_images(2);  // of the newest two: keyframe 1 may still change
+  s->keep_images(2);  // images of the newest two, so keyframe 1 may still change
   EXPECT_EQ(s->images.size(), 2u);
   EXPECT_EQ(s->map.keyframe(0)->created_revision, 1) << "nothing of it was moved";
   EXPECT_EQ(s->map.keyframe(1)->created_revision, 1);

@@ -23,8 +23,8 @@ std::vector<int> all_landmarks(const FrontSubmap& s) {
   return ids;
 }
 
-// Distance of the keypoints that were added from where the landmarks are by the true pose, pixels of their level. The
-// landmarks have an error of their own.
+// Returns the median distance of the added keypoints from the landmarks' pixels at the true pose, in pixels of their
+// level. The landmarks have errors of their own.
 double median_error(const FrontSubmap& s, const Frame& frame, size_t added, const SE3& cam_from_room) {
   std::vector<double> errors;
   for (size_t i = frame.features->size() - added; i < frame.features->size(); ++i) {
@@ -70,7 +70,7 @@ TEST(PatchSearch, MostSeenFirstAndNoMoreThanWanted) {
   expect_consistent(frame);
 }
 
-// Where another landmark's keypoint is already, where the image shows something else, and where there are no images.
+// Nothing is found if the image shows something else, if another landmark has a keypoint there, or without images.
 TEST(PatchSearch, FindsNothingElsewhere) {
   const auto s = submap_of({20, 32});
   PatchTemplates templates;
@@ -83,7 +83,7 @@ TEST(PatchSearch, FindsNothingElsewhere) {
   const Keyframe& same = *s->map.keyframe(1);
   matched.landmark_ids = same.landmark_ids;
   for (int& id : matched.landmark_ids)
-    if (id != kNone) id += 100000;  // others, at the same places
+    if (id != kNone) id += 100000;  // other landmarks, at the same places
   EXPECT_LT(search_by_patch(*s, all_landmarks(*s), 200000, &matched, &templates), 10);
 
   Frame without = frame_of(40);

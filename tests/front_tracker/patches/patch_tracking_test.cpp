@@ -19,14 +19,14 @@ using testing::walk;
 
 constexpr size_t kLast = 32;
 
-// The last frame, a keyframe of the submap.
+// Returns the frame before the one that is tracked; it is keyframe 1 of the submap.
 Frame last_frame(const FrontSubmap& s) {
   Frame last = frame_of(kLast);
   last.landmark_ids = s.map.keyframe(1)->landmark_ids;
   return last;
 }
 
-// An image without features, at a pose that puts landmarks some pixels off.
+// Returns an image without features, at a pose at which predictions are some pixels off.
 Frame next_frame(const cv::Mat& image) {
   Frame frame;
   frame.utime_us = walk().utime_us[kLast + 1];
@@ -57,7 +57,7 @@ TEST(PatchTracking, FindsThePoseAndTheLandmarksOfTheLastFrame) {
   expect_consistent(frame);
 }
 
-// Part of the image is another picture: what is hidden does not agree, and the rest is as true.
+// Part of the image is replaced by another picture: landmarks there must not be found, and the pose must stay right.
 TEST(PatchTracking, WhatIsHiddenIsNotFound) {
   const auto s = submap_of({20, kLast});
   const Frame last = last_frame(*s);
@@ -73,7 +73,8 @@ TEST(PatchTracking, WhatIsHiddenIsNotFound) {
   int in_the_other = 0;
   for (size_t i = 0; i < frame.features->size(); ++i) {
     const Keypoint& k = frame.features->keypoints[i];
-    const double patch_px = 4 * s->octave_scales[k.octave];  // the smaller radius: half of it is to be seen
+    const double patch_px = 4 * s->octave_scales[k.octave];  // radius of the smaller patch: nearer to the edge it shows
+                                                             // some of the true image
     in_the_other += frame.landmark_ids[i] != kNone && k.pixel.x() < hidden.width - patch_px;
   }
   EXPECT_LE(in_the_other, 0.02 * tracked.inliers) << "by chance, of " << tracked.inliers;
@@ -101,7 +102,7 @@ TEST(PatchTracking, NoPoseFromAnotherImageOrFromNothing) {
 
 constexpr int kNearlyAll = 28;
 
-// Thirty images a second, sharp for two seconds, then blurred: how many of these thirty are tracked.
+// Returns how many of the last thirty images are tracked. Thirty come per second; after two seconds they are blurred.
 int tracked_in_blur(double blur_px, const FrontTrackerOptions& options, testing::Error* error) {
   static const testing::RenderedWalk sharp = testing::render_walk(3, 30);
   constexpr size_t kFirst = 60;
@@ -121,7 +122,7 @@ int tracked_in_blur(double blur_px, const FrontTrackerOptions& options, testing:
   return tracked;
 }
 
-// Few corners are left, the patches hardly change.
+// Few corners are left in the blurred images, but patches hardly change.
 TEST(PatchTracking, ImagesThatBlurAreTracked) {
   FrontTrackerOptions options = testing::replay_options();
   options.tracking.corner_interval_s = 0.09;
@@ -131,7 +132,7 @@ TEST(PatchTracking, ImagesThatBlurAreTracked) {
   EXPECT_LT(error.rmse_m, 0.02 * error.path_m);
 }
 
-// Whatever the interval is that images with corners come in.
+// The default options look for corners at another interval.
 TEST(PatchTracking, ImagesThatBlurAreTrackedAsTheOptionsAre) {
   for (const double blur_px : {2.0, 2.5}) {
     testing::Error error;
@@ -140,7 +141,7 @@ TEST(PatchTracking, ImagesThatBlurAreTrackedAsTheOptionsAre) {
   }
 }
 
-// Ninety images a second, corners in one of thirteen.
+// Corners are detected in one of thirteen images, of which ninety come per second.
 TEST(PatchTracking, CornersAreSoughtAsOftenAsAskedFor) {
   const testing::RenderedWalk fast = testing::render_walk(1.5, 90);
   for (const bool follows : {false, true}) {
@@ -154,7 +155,7 @@ TEST(PatchTracking, CornersAreSoughtAsOftenAsAskedFor) {
       if (tracked == 0 && r->state != TrackingState::kTracking) continue;
       ASSERT_EQ(r->state, TrackingState::kTracking) << "image " << i;
       ++tracked;
-      if (r->keypoints > 1.2 * r->inliers) continue;  // not only landmarks
+      if (r->keypoints > 1.2 * r->inliers) continue;  // corners were detected: not all keypoints are landmarks
       ++without_corners;
       EXPECT_FALSE(r->is_keyframe);
       EXPECT_GE(r->inliers, 50);
@@ -170,8 +171,8 @@ TEST(PatchTracking, CornersAreSoughtAsOftenAsAskedFor) {
   }
 }
 
-// An image without corners becomes no keyframe: where the images since the last one with corners have moved by as much
-// as makes one due, it must have some.
+// An image without corners cannot become a keyframe. Once the images without corners have moved so far that a keyframe
+// is due, corners must be detected again.
 TEST(PatchTracking, CornersAreSoughtOnceTheImagesHaveMovedFar) {
   const testing::RenderedWalk fast = testing::render_walk(1.5, 90);
   int without_corners[2] = {};

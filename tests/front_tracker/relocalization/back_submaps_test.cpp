@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMostKeyframes = 12;
 
-// Room `seed`, seen from five places; as rumination numbers it, or not.
+// Returns a back submap of room `seed`, seen from five places.
 Submap back_submap(unsigned seed, int id, int64_t begin_us = 0) {
   FeatureScene scene(seed);
   std::vector<SE3> poses;
@@ -42,7 +42,7 @@ class BackSubmapsTest : public testing::Test {
     options.back_keyframes = kMostKeyframes;
     back_ = std::make_unique<BackSubmaps>(test_camera(), options, Pyramid());
   }
-  std::string add(Submap submap) { return back_->add(std::move(submap)); }
+  std::string add(Submap submap) { return back_->add(std::move(submap)).error_text(); }
   const SE3 truth_ = SyntheticScene::pose(0.2, 0.05, 0.05, -0.05);
   std::unique_ptr<BackSubmaps> back_;
 };
@@ -50,20 +50,20 @@ class BackSubmapsTest : public testing::Test {
 TEST_F(BackSubmapsTest, TheCameraIsFoundInItsRoomAndInNoOther) {
   ASSERT_EQ(add(back_submap(1, -1)), "");
   ASSERT_EQ(add(back_submap(2, -2, 1'000'000)), "");
-  Frame elsewhere = view_of(3, truth_), here = view_of(2, truth_);
-  EXPECT_FALSE(back_->relocalize(&elsewhere));
-  EXPECT_EQ(elsewhere.matches(), 0);
-  const auto found = back_->relocalize(&here);
+  EXPECT_FALSE(back_->relocalize(view_of(3, truth_)));
+  const auto found = back_->relocalize(view_of(2, truth_));
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->key.id, -2);
-  EXPECT_LT((here.cam_from_submap.center() - truth_.center()).norm(), 0.03);
-  EXPECT_GT(here.matches(), 0);
-  for (int id : here.landmark_ids) EXPECT_TRUE(id == kNone || found->landmark(id)) << id;
-  EXPECT_TRUE(found->keyframe(here.reference_keyframe));
+  const Submap& submap = found->submap;
+  const Frame& frame = found->frame;
+  EXPECT_EQ(submap.key.id, -2);
+  EXPECT_LT((frame.cam_from_submap.center() - truth_.center()).norm(), 0.03);
+  EXPECT_GT(frame.matches(), 0);
+  for (int id : frame.landmark_ids) EXPECT_TRUE(id == kNone || submap.landmark(id)) << id;
+  EXPECT_TRUE(submap.keyframe(frame.reference_keyframe));
   EXPECT_EQ(back_->submaps(), 1u) << "it is not kept any longer";
   Frame again = view_of(2, truth_), other = view_of(1, truth_);
-  EXPECT_FALSE(back_->relocalize(&again));
-  EXPECT_TRUE(back_->relocalize(&other)) << "the other one is still there";
+  EXPECT_FALSE(back_->relocalize(again));
+  EXPECT_TRUE(back_->relocalize(other)) << "the other one is still there";
 }
 
 TEST_F(BackSubmapsTest, TheOldestGo) {
@@ -75,17 +75,17 @@ TEST_F(BackSubmapsTest, TheOldestGo) {
   EXPECT_EQ(add(back_submap(4, -4, 6'000'000)), "");
   EXPECT_LE(back_->keyframes(), kMostKeyframes);
   Frame two = view_of(2, truth_), three = view_of(3, truth_), four = view_of(4, truth_);
-  EXPECT_FALSE(back_->relocalize(&two));
-  EXPECT_TRUE(back_->relocalize(&three));
-  EXPECT_TRUE(back_->relocalize(&four));
+  EXPECT_FALSE(back_->relocalize(two));
+  EXPECT_TRUE(back_->relocalize(three));
+  EXPECT_TRUE(back_->relocalize(four));
 }
 
 TEST_F(BackSubmapsTest, TheSameOnceMoreIsOne) {
   for (int i = 0; i < 5; ++i) EXPECT_EQ(add(back_submap(1, -1)), "");
   EXPECT_EQ(back_->submaps(), 1u);
   Frame here = view_of(1, truth_), again = view_of(1, truth_);
-  EXPECT_TRUE(back_->relocalize(&here));
-  EXPECT_FALSE(back_->relocalize(&again));
+  EXPECT_TRUE(back_->relocalize(here));
+  EXPECT_FALSE(back_->relocalize(again));
 }
 
 TEST_F(BackSubmapsTest, WhatTheMapNoLongerHoldsIsForgotten) {
@@ -94,7 +94,7 @@ TEST_F(BackSubmapsTest, WhatTheMapNoLongerHoldsIsForgotten) {
   EXPECT_EQ(back_->submaps(), 1u);
   back_->remove(-1);
   Frame here = view_of(1, truth_);
-  EXPECT_FALSE(back_->relocalize(&here));
+  EXPECT_FALSE(back_->relocalize(here));
   EXPECT_EQ(back_->keyframes(), 0);
 }
 
@@ -119,9 +119,9 @@ TEST_F(BackSubmapsTest, IdsAreMadeSmallAndInOrderOfTime) {
       shuffled.add_observation(other.id, keyframe_id(o.keyframe_id), o.keypoint_index);
   }
   ASSERT_EQ(add(shuffled), "");
-  Frame here = view_of(1, truth_);
-  const auto found = back_->relocalize(&here);
-  ASSERT_TRUE(found);
+  const auto relocalized = back_->relocalize(view_of(1, truth_));
+  ASSERT_TRUE(relocalized);
+  const Submap* found = &relocalized->submap;
   ASSERT_EQ(found->keyframes.size(), 5u);
   for (int i = 0; i < 5; ++i) {
     ASSERT_TRUE(found->keyframe(i));
@@ -168,7 +168,7 @@ TEST_F(BackSubmapsTest, WhatATrackerCannotUseIsRefusedByNameAndValue) {
   EXPECT_EQ(back_->submaps(), 1u);
   EXPECT_NE(refusal([](Submap* s) { s->camera.fx = 400; }), "");
   Frame here = view_of(1, truth_);
-  EXPECT_TRUE(back_->relocalize(&here)) << "a refused one takes nothing away";
+  EXPECT_TRUE(back_->relocalize(here)) << "a refused one takes nothing away";
 }
 
 TEST_F(BackSubmapsTest, AnEmptyOneIsNoPlace) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A camera that is carried off in the dark, and comes back to what it knows from where it has not been.
+// A camera is carried off in the dark, and comes back to known things from places where it has not been.
 #include <gtest/gtest.h>
 
 #include "front_tracker/tracking/tracker.h"
@@ -11,12 +11,12 @@ namespace {
 const testing::RenderedWalk& walk() { return testing::rendered_walk(); }
 
 struct Return {
-  std::vector<int64_t> back_us;         // images on the way back, the last of which was found
-  std::vector<TrackResult> afterwards;  // what the last of them told of the others
-  testing::Error error;                 // of the submap, the way back included
+  std::vector<int64_t> back_us;         // times of the images after the darkness; the camera is found in the last
+  std::vector<TrackResult> afterwards;  // results that the last image brought for the others
+  testing::Error error;                 // error of the submap, including the way back
 };
 
-// The walk up to `known`, darkness, and from image `from` back until the camera is found.
+// Gives a tracker the walk up to `known`, darkness, and the images from `from` backwards until the camera is found.
 Return come_back(const FrontTrackerOptions& options, size_t known, size_t from) {
   constexpr int64_t kPeriod_us = 50'000;
   Tracker tracker(walk().camera, options, 1);
@@ -42,7 +42,7 @@ Return come_back(const FrontTrackerOptions& options, size_t known, size_t from) 
 
 FrontTrackerOptions only_found_again() {
   FrontTrackerOptions options = testing::replay_options();
-  options.tracking.recently_lost_s = 60;  // no new submap
+  options.tracking.recently_lost_s = 60;  // longer than the walk, so that no new submap begins
   return options;
 }
 
@@ -55,7 +55,7 @@ TEST(FoundAgain, FromElsewhereAsSoonAsEnoughAgrees) {
       << "a pose that is certain takes a third of what should be in view";
 }
 
-// Who asks for much is found late, and nothing is lost by it.
+// If many inliers are required, the camera is found later, but the images before get their poses, too.
 TEST(FoundAgain, ImagesBeforeAreTrackedBack) {
   FrontTrackerOptions options = only_found_again();
   const size_t soon = come_back(options, 70, 90).back_us.size();

@@ -5,6 +5,7 @@
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "front_tracker/front_tracker_node.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
@@ -18,11 +19,11 @@ using testing::rendered_walk;
 using testing::RenderedWalk;
 using testing::replay_options;
 
-constexpr size_t kGapBegin = 60, kGapEnd = 120;  // images of the walk that the front never sees in time
-constexpr size_t kBackFrom = 72;                 // where it comes back to
+constexpr size_t kGapBegin = 60, kGapEnd = 120;  // images of the walk that only rumination sees
+constexpr size_t kBackFrom = 72;                 // first image after the return
 constexpr int64_t kLaterUs = 20'000'000;
 
-// What rumination would make of the gap, in a unit of its own: keyframes only.
+// Returns what rumination would make of the gap, in a unit of its own: keyframes without the frames between.
 Submap rebuilt(const RenderedWalk& walk) {
   Tracker tracker(walk.camera, replay_options(), 1);
   for (size_t i = kGapBegin; i < kGapEnd; ++i) tracker.process(walk.utime_us[i], walk.images[i]);
@@ -40,7 +41,7 @@ Submap rebuilt(const RenderedWalk& walk) {
   return submap;
 }
 
-// Sees the first images, then nothing for 1.5 s.
+// A tracker that has seen the first images, and then nothing for 1.5 s.
 class ReturnToTheGap : public ::testing::Test {
  protected:
   ReturnToTheGap() : tracker_(rendered_walk().camera, replay_options(), 1) {
@@ -62,7 +63,7 @@ class ReturnToTheGap : public ::testing::Test {
 TEST_F(ReturnToTheGap, GoesOnInACopyOfTheBackSubmap) {
   ASSERT_EQ(last_->state, TrackingState::kLost);
   const Submap back = rebuilt(rendered_walk());
-  ASSERT_EQ(tracker_.add_back_submap(back), "");
+  ASSERT_EQ(tracker_.add_back_submap(back).error_text(), "");
   ASSERT_EQ(tracker_.back_submaps().submaps(), 1u);
   auto center = rendered_walk().center;
   for (size_t i = kBackFrom; i < kGapEnd - 10; ++i) {
@@ -81,7 +82,7 @@ TEST_F(ReturnToTheGap, GoesOnInACopyOfTheBackSubmap) {
   EXPECT_EQ(error.frames, back.keyframes.size() + kGapEnd - 10 - kBackFrom);
   EXPECT_LT(error.rmse_m, 0.02);
   EXPECT_LT(error.worst_m, 0.06);
-  // The same images, as map_server needs them to join the two; and in the same unit.
+  // The copy keeps the back submap's images, by which map_server joins the two, and its unit.
   size_t same = 0;
   for (const auto& [id, kf] : back.keyframes) same += seeded.frame(kf.utime_us) != nullptr;
   EXPECT_EQ(same, back.keyframes.size());
@@ -108,17 +109,18 @@ TEST(BackSubmapOfTheGap, NearlyEveryOtherViewOfItIsFoundWhereItIs) {
   ASSERT_TRUE(room_from_submap);
   const FrontTrackerOptions options = replay_options();
   BackSubmaps back(walk.camera, options.tracking, options.orb.pyramid);
-  ASSERT_EQ(back.add(submap), "");
+  ASSERT_EQ(back.add(submap).error_text(), "");
   OrbExtractor extractor(options.orb);
   int tried = 0, found = 0;
   for (size_t i = kGapBegin; i < kGapEnd; ++i) {
-    if (submap.frame(walk.utime_us[i])) continue;  // the very image is no test
-    Frame frame = make_frame(walk.utime_us[i], extractor.extract(walk.images[i]), walk.camera);
+    if (submap.frame(walk.utime_us[i])) continue;  // this image is in the submap, so finding it proves nothing
+    const Frame frame = make_frame(walk.utime_us[i], extractor.extract(walk.images[i]), walk.camera);
     BackSubmaps untouched = back;
     ++tried;
-    if (!untouched.relocalize(&frame)) continue;
+    const auto relocalized = untouched.relocalize(frame);
+    if (!relocalized) continue;
     ++found;
-    const Eigen::Vector3d center = *room_from_submap * frame.cam_from_submap.center();
+    const Eigen::Vector3d center = *room_from_submap * relocalized->frame.cam_from_submap.center();
     EXPECT_LT((center - walk.center.at(walk.utime_us[i])).norm(), 0.05) << "image " << i;
   }
   EXPECT_GE(tried, 30);
@@ -126,24 +128,24 @@ TEST(BackSubmapOfTheGap, NearlyEveryOtherViewOfItIsFoundWhereItIs) {
 }
 
 TEST_F(ReturnToTheGap, AnotherRoomIsNotTakenForThisOne) {
-  ASSERT_EQ(tracker_.add_back_submap(rebuilt(render_walk(6, 20, 5))), "");
+  ASSERT_EQ(tracker_.add_back_submap(rebuilt(render_walk(6, 20, 5))).error_text(), "");
   for (size_t i = kBackFrom; i < kBackFrom + 3; ++i) EXPECT_EQ(come_back(i).submap_id, kNoSubmap);
   EXPECT_EQ(tracker_.back_submaps().submaps(), 1u);
 }
 
 TEST_F(ReturnToTheGap, WhatTheFrontSawItFindsInItsOwnSubmap) {
-  ASSERT_EQ(tracker_.add_back_submap(rebuilt(rendered_walk())), "");
+  ASSERT_EQ(tracker_.add_back_submap(rebuilt(rendered_walk())).error_text(), "");
   EXPECT_EQ(come_back(20).submap_id, 1);
   EXPECT_EQ(tracker_.back_submaps().submaps(), 1u);
 }
 
-// It would begin a submap; a moment after the loss the old one may yet be found.
+// Taking a back submap would begin a new submap. Just after a loss, the old one may still be found again.
 TEST(RecentlyLost, NoBackSubmapIsTaken) {
   const RenderedWalk& walk = rendered_walk();
   const FrontTrackerOptions options = replay_options();
   Tracker tracker(walk.camera, options, 1);
   for (size_t i = 0; i < 30; ++i) tracker.process(walk.utime_us[i], walk.images[i]);
-  ASSERT_EQ(tracker.add_back_submap(rebuilt(walk)), "");
+  ASSERT_EQ(tracker.add_back_submap(rebuilt(walk)).error_text(), "");
   const int64_t lost_us = walk.utime_us[30];
   tracker.process(lost_us, cv::Mat(walk.images[0].size(), CV_8U, cv::Scalar(0)));
   for (int64_t later_us = 100'000; later_us <= 1'200'000; later_us += 100'000) {
@@ -161,7 +163,7 @@ TEST_F(ReturnToTheGap, RepeatsItself) {
     for (size_t i = 0; i < 30; ++i) tracker.process(rendered_walk().utime_us[i], rendered_walk().images[i]);
     const cv::Mat black(rendered_walk().images[0].size(), CV_8U, cv::Scalar(0));
     tracker.process(rendered_walk().utime_us[kGapBegin], black);
-    EXPECT_EQ(tracker.add_back_submap(back), "");
+    EXPECT_EQ(tracker.add_back_submap(back).error_text(), "");
     std::vector<Eigen::Vector3d> path;
     for (size_t i = kBackFrom; i < kGapEnd; ++i)
       path.push_back(tracker.process(rendered_walk().utime_us[i] + kLaterUs, rendered_walk().images[i])
@@ -171,7 +173,7 @@ TEST_F(ReturnToTheGap, RepeatsItself) {
   EXPECT_EQ(run(), run());
 }
 
-// The same over messages, with a stand-in for map_server.
+// As ReturnToTheGap, but over messages, with a stand-in for map_server.
 class NodeReturnsToTheGap : public ::testing::Test {
  protected:
   explicit NodeReturnsToTheGap(int back_keyframes = 400) : sender_(bus_, channels::kMapChunk, channels::kMapAck, "s") {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Images as cameras really deliver them now and then: whatever comes, a pose that is given is right, and tracking is
-// back when the view is.
+// Bad images as cameras deliver them now and then. Poses that are given must be right, and tracking must be back as
+// soon as the view is.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -22,8 +22,8 @@ struct Outcome {
   size_t given = 0, with_pose = 0;
 };
 
-// Gives the frames that `change` does not drop (an empty Mat drops one), at the times that `time` says, and checks
-// every pose.
+// Gives the tracker the images that `change` makes, at the times that `time` says, and checks all poses. If `change`
+// returns an empty Mat, the image is dropped.
 Outcome give(const RenderedWalk& walk, const std::function<cv::Mat(size_t)>& change,
              const std::function<int64_t(size_t)>& time = {}) {
   Tracker tracker(walk.camera, replay_options(), 1);
@@ -55,7 +55,7 @@ size_t tracked(const Outcome& outcome, size_t begin, size_t end) {
 }
 
 const cv::Mat& image(size_t i) { return rendered_walk().images[i]; }
-const size_t kBegin = 60, kEnd = 75;  // the passage
+const size_t kBegin = 60, kEnd = 75;  // range of the images that are spoilt
 bool in_passage(size_t i) { return i >= kBegin && i < kEnd; }
 
 void expect_back(const Outcome& outcome) {
@@ -81,7 +81,7 @@ TEST(HardInput, DarkImages) {
   }));
 }
 
-// Textured, nearer than all else, and moving against the room.
+// The hand is textured, nearer than everything else, and moves against the room.
 TEST(HardInput, AHandOverHalfTheImage) {
   cv::Mat hand(240, 480, CV_8U);
   cv::RNG random(4);

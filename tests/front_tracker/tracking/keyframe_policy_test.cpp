@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kKeypoints = 1000;
 
-// A young submap: its only keyframe, at time 0, has 200 landmarks.
+// A young submap, whose only keyframe, at time 0, has 200 landmarks.
 class KeyframePolicyTest : public ::testing::Test {
  protected:
   KeyframePolicyTest() {

@@ -6,7 +6,7 @@
 namespace rumi::front_tracker {
 namespace {
 
-// Keyframe k sees landmarks k, k + 1 and k + 2.
+// Returns a submap in which keyframe k observes the landmarks k, k + 1 and k + 2.
 Submap chain(int keyframes) {
   Submap map;
   for (int id = 0; id < keyframes + 2; ++id) map.landmarks[id].id = id;

@@ -36,7 +36,8 @@ TEST(Loss, IsDescribedInOneLine) {
                 "it was found: withdrawn; found again"));
 }
 
-// What the tracker says of the walk at this level and above. The lens is covered for so many images in its middle.
+// Returns what the tracker logs at this level and above during the walk. In its middle, the lens is covered for
+// `covered` images.
 std::string said(spdlog::level::level_enum level, const FrontTrackerOptions& options, size_t covered, size_t end) {
   const testing::RenderedWalk& walk = testing::rendered_walk();
   const testing::CapturedLog log(level);
@@ -73,7 +74,7 @@ TEST(Loss, ThatIsNotOverIsSaidAtTheEnd) {
               HasSubstr("5 images, 0.2 s (too few landmarks agree); not found again until the end"));
 }
 
-// Nothing carries the scale on.
+// No pose carries the scale on, but relocalization finds the camera in the same image.
 TEST(Loss, WhatRelocalizationWouldFindInTheSameImageIsNone) {
   FrontTrackerOptions options = testing::replay_options();
   options.tracking.max_scale_drift = 1e-6;

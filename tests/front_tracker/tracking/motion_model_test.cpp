@@ -52,7 +52,7 @@ TEST(MotionModel, TheLastFrameGoesWhereMappingMovesItsKeyframe) {
   EXPECT_TRUE(motion.last().cam_from_submap.center().isApprox(Eigen::Vector3d(1, 0.25, 2)));
 }
 
-// A turn moves all that is far from the rim by the focal length times the angle.
+// A turn moves points by the focal length times the angle, unless they are near the image's border.
 TEST(MotionModel, TheMotionOfTheImageIsAShareOfItsWidth) {
   FeatureScene scene(1);
   const auto submap = scene.submap({SE3(), SyntheticScene::pose(0.3, 0, 0)});

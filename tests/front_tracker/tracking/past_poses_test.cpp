@@ -12,7 +12,7 @@ namespace {
 SE3 pose(int i) { return SyntheticScene::pose(0.03 * i, 0, 0); }
 int64_t utime_us(int i) { return 10'000'000 + 100'000 * i; }
 
-// A camera moves along: frames 0 to 9, in a submap that knows where they are.
+// A camera moves along. It takes the frames 0 to 9, in a submap with the true poses of three of them.
 class PastPosesTest : public ::testing::Test {
  protected:
   PastPosesTest() : submap_(scene_.submap({pose(0), pose(4), pose(8)})) {}
@@ -38,9 +38,10 @@ TEST_F(PastPosesTest, OfALossAreTrackedBackUpToTheFirstGap) {
   std::deque<Frame> lost;
   for (int i = 0; i < 9; ++i)
     lost.push_back(i == 3 ? elsewhere_.frame(utime_us(i), pose(i)) : scene_.frame(utime_us(i), pose(i)));
-  Frame found_again = scene_.frame(utime_us(9), pose(9));
-  ASSERT_TRUE(Relocalizer(test_camera(), {}, test_octave_scales()).relocalize(submap_->map, 2, &found_again));
-  const std::vector<Frame> found = past_.track_back(found_again, lost, submap_.get());
+  const auto found_again = Relocalizer(test_camera(), {}, test_octave_scales())
+                               .relocalize(submap_->map, 2, scene_.frame(utime_us(9), pose(9)));
+  ASSERT_TRUE(found_again);
+  const std::vector<Frame> found = past_.track_back(*found_again, lost, submap_.get());
   ASSERT_EQ(found.size(), 5u);
   for (int i = 0; i < 5; ++i) {
     EXPECT_EQ(found[i].utime_us, utime_us(4 + i)) << "in order of time";

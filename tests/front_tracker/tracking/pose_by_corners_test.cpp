@@ -9,7 +9,7 @@
 namespace rumi::front_tracker {
 namespace {
 
-// A submap that is true, and a last frame in it.
+// A submap at its true poses, and a last frame in it.
 class PoseByCornersTest : public ::testing::Test {
  protected:
   PoseByCornersTest() {
@@ -43,7 +43,7 @@ TEST_F(PoseByCornersTest, NearTheLastFrame) {
   EXPECT_GT(pose.motion.value(), 0.005);
 }
 
-// Far beside the place where the motion model looks for them.
+// The landmarks are far from where the motion model expects them.
 TEST_F(PoseByCornersTest, WhereverItsLandmarksAre) {
   const SE3 truth = SyntheticScene::pose(0.1, 0, 0, 0.2);
   const FoundPose pose = find(scene_.frame(500'000, truth));

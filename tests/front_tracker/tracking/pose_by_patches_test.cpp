@@ -13,7 +13,7 @@ using testing::walk;
 constexpr size_t kLast = 32;
 constexpr double kMaxMotion = 0.2;
 
-// Tracked up to the last frame, which is a keyframe, in a submap that is true.
+// The tracker's state after its last frame, which is a keyframe of a submap at true poses.
 class PoseByPatchesTest : public ::testing::Test {
  protected:
   PoseByPatchesTest() { track_up_to_last(Corners::kEnough); }
@@ -36,7 +36,7 @@ class PoseByPatchesTest : public ::testing::Test {
 
   std::unique_ptr<FrontSubmap> submap_ = testing::submap_of({20, kLast});
   MotionModel motion_;
-  TrackingOptions options_{.patch_motion = 0.1};  // the walk has twenty images a second
+  TrackingOptions options_{.patch_motion = 0.1};  // the walk has only twenty images a second
   PoseByPatches by_patches_{options_, kMaxMotion};
   PatchTemplates templates_;
   int64_t next_us_ = walk().utime_us[kLast + 1];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the tracker says of an image that is the last one once more.
+// Tests the tracker's answer to an image that repeats the last one.
 #include <gtest/gtest.h>
 
 #include "front_tracker/tracking/tracker.h"
@@ -18,7 +18,7 @@ class TrackerPredict : public ::testing::Test {
   std::optional<TrackResult> process(size_t i) {
     return tracker_.process(sequence().utime_us[i], sequence().images[i]);
   }
-  // All images before this one; what came of the last.
+  // Processes all images before this one. Returns the result for the last one.
   TrackResult track_until(size_t end) {
     std::optional<TrackResult> last;
     for (size_t i = 0; i < end; ++i) last = process(i);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tracker on rendered images of a room, with the camera's true path.
+// Tests the tracker on rendered images of a room, in which the camera's path is known.
 #include "front_tracker/tracking/tracker.h"
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ TEST(Tracker, TheFirstKeyframesHaveAllSizesOfTheirImages) {
   for (const auto& [keyframe, images] : submap.images) EXPECT_EQ(images->levels(), Pyramid().levels) << keyframe;
 }
 
-// RMSE over the path of a walk that is one submap.
+// Returns RMSE / length of the path for a walk; nullopt if it is not exactly one submap.
 std::optional<double> share_of_path(const testing::RenderedWalk& walk, int keyframe_images) {
   FrontTrackerOptions options = replay_options();
   options.mapping.keyframe_images = keyframe_images;
@@ -55,14 +55,14 @@ std::optional<double> share_of_path(const testing::RenderedWalk& walk, int keyfr
   return e.rmse_m / e.path_m;
 }
 
-// In a single walk chance may favour either.
+// In a single walk chance may favour either way, so three are compared.
 TEST(Tracker, AligningKeypointsIsTruer) {
   int walks = 0;
   double without = 0, with = 0;
   for (const unsigned seed : {1U, 2U, 3U}) {
     const testing::RenderedWalk walk = testing::render_walk(4, 15, seed);
     const std::optional<double> bare = share_of_path(walk, 0), aligned = share_of_path(walk, 15);
-    if (!bare || !aligned) continue;  // it takes longer to begin
+    if (!bare || !aligned) continue;  // did not begin, or lost track
     std::printf("walk %u: off by %.2f %% of the path without, %.2f %% with\n", seed, 100 * *bare, 100 * *aligned);
     ++walks, without += *bare, with += *aligned;
   }
@@ -70,7 +70,7 @@ TEST(Tracker, AligningKeypointsIsTruer) {
   EXPECT_LT(with, without);
 }
 
-// Every third image: more new things come into view from one to the next, and fewer landmarks are left.
+// Only every third image is used: more new things come into view from one to the next, and fewer landmarks are left.
 TEST(Tracker, EpipolarSupportIsTrueWhereImagesAreFew) {
   std::vector<Eigen::Vector3d> end;
   for (const double uncertain_px : {100.0, 0.4}) {
@@ -95,7 +95,7 @@ TEST(Tracker, MappingInItsOwnThreadIsAsGood) {
   Tracker tracker(sequence().camera, options, 1);
   for (size_t i = 0; i < sequence().images.size(); ++i) {
     tracker.process(sequence().utime_us[i], sequence().images[i]);
-    tracker.wait_for_mapping();  // a camera gives it time; a test must not depend on how much
+    tracker.wait_for_mapping();  // live, a camera leaves time for mapping; the test must not depend on how much
   }
   ASSERT_EQ(tracker.submaps().size(), 1u);
   const Error e = error_of(tracker.submaps()[0]->map);
@@ -176,17 +176,17 @@ TEST(Tracker, WhatContradictsThePlaceWhereItIsFoundAgainIsWithdrawn) {
     }
     const SE3 before = submap.map.cam_from_submap(*submap.map.frame(sequence().utime_us[back]));
     EXPECT_LT((found->cam_from_submap.center() - before.center()).norm(), 0.01);
-    // It goes on, and what it does is true.
+    // Tracking goes on, and in the right place.
     for (size_t i = back; i < lost; ++i) EXPECT_EQ(give(lost, sequence().images[i])->submap_id, 1) << i;
     EXPECT_TRUE(tracker.withdrawn().empty());
   }
 }
 
-// Every keyframe adds to what the scale may be off by.
+// Every keyframe adds to the variance of the scale.
 TEST(Tracker, IsLostWhereNothingCarriesTheScaleOn) {
   FrontTrackerOptions options = replay_options();
   options.tracking.max_scale_drift = 1e-6;
-  options.tracking.relocalization_min_inliers = 100000;  // else each image is lost and found again
+  options.tracking.relocalization_min_inliers = 100000;  // otherwise each lost image would be found again at once
   Tracker tracker(sequence().camera, options, 1);
   size_t lost = 0;
   for (size_t i = 0; i < sequence().images.size(); ++i) {
@@ -196,7 +196,7 @@ TEST(Tracker, IsLostWhereNothingCarriesTheScaleOn) {
   EXPECT_GT(lost, sequence().images.size() / 4);
 }
 
-// Ten images a second while the camera turns by 110 degrees in three seconds, and back.
+// Returns ten images a second of a camera that turns by 110 degrees in three seconds, and back.
 const testing::RenderedWalk& turning_walk(unsigned seed) {
   static std::map<unsigned, testing::RenderedWalk> walks;
   auto walk = walks.find(seed);
@@ -206,11 +206,11 @@ const testing::RenderedWalk& turning_walk(unsigned seed) {
 }
 
 struct FastTurns {
-  double posed = 0;        // share of the images
-  double worst_share = 0;  // RMSE over the path, of the worst submap that lives a second and more
+  double posed = 0;        // share of the images that have a pose
+  double worst_share = 0;  // RMSE / path of the worst submap with ten frames or more
 };
 
-// What chance decides in one turn evens out over several.
+// Returns results for three turning walks, so that chance evens out.
 FastTurns in_fast_turns(const FrontTrackerOptions& options) {
   FastTurns result;
   for (const unsigned seed : {8U, 9U, 10U}) {
@@ -226,8 +226,9 @@ FastTurns in_fast_turns(const FrontTrackerOptions& options) {
   return result;
 }
 
-// What is seen again of a keyframe falls off too quickly to wait until it is little. And between keyframes that hardly
-// moved, the points that seem near enough are those whose parallax noise has made larger.
+// In a fast turn, a keyframe's landmarks leave the view so quickly that waiting until few are left is too late. Between
+// keyframes that hardly moved, noise makes the parallax of some points too large: just these look near enough for
+// landmarks.
 TEST(Tracker, FastTurnsAreTrackedAndTheScaleHolds) {
   FrontTrackerOptions options = replay_options();
   const FastTurns turns = in_fast_turns(options);

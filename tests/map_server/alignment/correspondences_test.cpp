@@ -17,7 +17,8 @@ struct Seen {
   int landmark = kNone;
 };
 
-// One keyframe per list; landmarks are put on the ray of the pixel that was first to see them, at this depth.
+// Makes a submap with one keyframe for each image. Each landmark lies on the ray of the last pixel that sees it, at
+// this depth.
 Submap hand_made(const std::map<int64_t, std::vector<Seen>>& images, double depth = 2) {
   Submap submap;
   submap.camera = rumi::test_camera();
@@ -28,7 +29,7 @@ Submap hand_made(const std::map<int64_t, std::vector<Seen>>& images, double dept
     for (const Seen& s : seen) {
       features.keypoints.push_back({s.pixel, 0, 0});
       const auto bits = [](float x) { return static_cast<uint64_t>(std::lround(1000 * x)); };
-      features.descriptors.push_back({bits(s.pixel.x()), bits(s.pixel.y())});  // like those of no other
+      features.descriptors.push_back({bits(s.pixel.x()), bits(s.pixel.y())});  // unlike those of all others
     }
     features.undistort(submap.camera);
     Keyframe& keyframe = submap.keyframes[id];
@@ -73,18 +74,18 @@ TEST(Correspondences, AreTheSameKeypointsWhereverFrontTrackerMovedThem) {
   const Submap b = hand_made(seen);
   Submap a = b;
   Features moved = *b.keyframe(0)->features;
-  moved.move(0, {104, 100}, a.camera);  // onto its neighbour
+  moved.move(0, {104, 100}, a.camera);  // to its neighbour's place
   moved.move(1, {107, 100}, a.camera);
   a.keyframe(0)->features = std::make_shared<Features>(moved);
   EXPECT_EQ(landmark_pairs(find_correspondences(a, b, 1.0)), (Pairs{{1, 1}, {2, 2}, {3, 3}}));
-  // Another detector's, or another image's: by distance.
+  // If the keypoints come from another detector or image, they are matched by distance.
   moved.keypoints[2].octave = 1;
   a.keyframe(0)->features = std::make_shared<Features>(moved);
   EXPECT_EQ(landmark_pairs(find_correspondences(a, b, 1.0)), (Pairs{{1, 2}, {3, 3}}));
 }
 
 TEST(Correspondences, AreEachOthersNearestAndNoKeypointIsUsedTwice) {
-  // 200.3 is nearest to 200.0 and to 200.7, which is nearer to it; 201.2's nearest is 200.7.
+  // 200.4 is near 200.0, but nearer to 200.7; the nearest to 201.2 is 200.7 too, but that one is taken.
   const Submap a = hand_made({{10, {{{200, 100}, 1}, {{200.7f, 100}, 2}}}});
   const Submap b = hand_made({{10, {{{200.4f, 100}, 3}, {{201.2f, 100}, 4}}}});
   const Correspondences common = find_correspondences(a, b, 1.0);
@@ -177,7 +178,7 @@ TEST(ScaleRatio, IsTheMedianOfTheDepthRatios) {
   EXPECT_NEAR(ratio.log_b_over_a, std::log(2.5), 1e-9);
   EXPECT_NEAR(ratio.sigma, 0, 1e-9);
   EXPECT_NEAR(ratio.depth_b, 5, 1e-9);
-  for (int i = 0; i < 9; ++i) b.landmark(i)->position *= 100;  // outliers
+  for (int i = 0; i < 9; ++i) b.landmark(i)->position *= 100;  // outliers, which the median ignores
   ratio = scale_ratio(a, b, common, 0, 20);
   EXPECT_NEAR(ratio.log_b_over_a, std::log(2.5), 1e-9);
 }
@@ -204,7 +205,7 @@ TEST(ScaleRatio, IsUnknownWithTooFewLandmarksInFront) {
   const Correspondences common = find_correspondences(a, b, 1.0);
   EXPECT_TRUE(std::isinf(scale_ratio(a, b, common, 0, 21).sigma));
   EXPECT_TRUE(std::isfinite(scale_ratio(a, b, common, 0, 20).sigma));
-  a.landmark(3)->position.z() *= -1;  // behind
+  a.landmark(3)->position.z() *= -1;  // now behind the camera
   EXPECT_TRUE(std::isinf(scale_ratio(a, b, common, 0, 20).sigma));
   EXPECT_TRUE(std::isinf(scale_ratio(a, b, Correspondences{{10}, {{10, 0, 0}}, {}}, 0, 0).sigma));
 }

@@ -28,7 +28,7 @@ struct Case {
 struct Outcome {
   Alignment alignment;
   Correspondences common;
-  Sim3Error error;  // translation: of the last shared camera, over 2.5 m
+  Sim3Error error;  // translation: at the last shared camera, relative to 2.5 m
 };
 
 Outcome align(const SyntheticSubmap& a, const SyntheticSubmap& b, const AlignmentOptions& options = {}) {
@@ -52,8 +52,8 @@ Outcome align(const Case& c, const AlignmentOptions& options = {}) {
   return align(a, b, options);
 }
 
-// A front submap of the first 40 images of a path and a back submap that goes on from there; `shared` keyframes in
-// common.
+// A front submap of the first 40 images of a path, and a back submap that begins before its end and goes on; they have
+// `shared` keyframes in common.
 Case typical(unsigned seed, int shared) {
   Case c{make_room(seed), walk_round(100), {}, {}, {}};
   c.film.seed = seed;
@@ -115,8 +115,8 @@ TEST(SubmapAlignment, NeedsNoParticularMotion) {
     }
 }
 
-// Each knows the depths from where it walked before or after: in what both have seen the camera turns on the spot, or
-// stands still, and no reprojection tells the scale.
+// Each submap knows the depths from where the camera walked before or after. In the shared images it turns on the spot
+// or stands still, so that no reprojection error determines the scale.
 TEST(SubmapAlignment, KnowsTheScaleWhereTheCameraDoesNotMove) {
   for (double yaw_rad : {0.0, 0.02, 0.05})
     for (unsigned seed = 31; seed <= 33; ++seed) {
@@ -159,7 +159,7 @@ TEST(SubmapAlignment, IsTheSameBothWays) {
   EXPECT_EQ(forward.alignment.landmark_inliers, backward.alignment.landmark_inliers);
 }
 
-// Poses and landmarks are taken as exact, so the truth is farther off than promised, by a factor that must stay small.
+// The alignment takes poses and landmarks as exact. Therefore the errors exceed its sigmas, but only by a small factor.
 TEST(SubmapAlignment, SigmaIsNotFarFromTheError) {
   constexpr int kRuns = 40;
   double rotation = 0, scale = 0;
@@ -175,7 +175,7 @@ TEST(SubmapAlignment, SigmaIsNotFarFromTheError) {
   EXPECT_LT(std::sqrt(scale), 6);
 }
 
-// --- Doubts.
+// --- Doubts
 
 TEST(SubmapAlignment, DoubtsWhatSharesTooFewKeyframes) {
   EXPECT_EQ(align(typical(61, 2)).alignment.doubt, "2 shared keyframes of 3 wanted");
@@ -189,7 +189,7 @@ TEST(SubmapAlignment, DoubtsWhatSharesTooFewLandmarks) {
   const Alignment few = align(c).alignment;
   EXPECT_LT(few.landmarks, 40);
   EXPECT_EQ(few.doubt, fmt::format("{0} of {0} common landmarks agree, 40 wanted", few.landmarks));
-  c.a.point_share = 0.02;  // no keyframe has enough to propose anything
+  c.a.point_share = 0.02;  // no keyframe has enough landmarks for a proposal
   const Alignment fewer = align(c).alignment;
   EXPECT_EQ(fewer.doubt, fmt::format("0 of {} common landmarks agree, 40 wanted", fewer.landmarks));
 }
@@ -208,7 +208,7 @@ TEST(SubmapAlignment, DoubtsWhereMostLandmarksDisagree) {
 
 TEST(SubmapAlignment, DoubtsWhereMostKeyframesDisagree) {
   auto [a, b] = make(typical(64, 4));
-  // Two keyframes see next to nothing in common, and are elsewhere.
+  // Two keyframes have next to nothing in common and are in a wrong place.
   for (int k : {0, 2}) {
     Keyframe& keyframe = b.submap.keyframes.at(k * 3 + 2);
     shift(&keyframe, 2 * b.submap_from_world.scale);
@@ -218,7 +218,8 @@ TEST(SubmapAlignment, DoubtsWhereMostKeyframesDisagree) {
   EXPECT_EQ(align(a, b).alignment.doubt, "2 of 4 shared keyframes agree");
 }
 
-// The front submap may be bent where it ends, the back submap where it begins or ends within the front submap.
+// The front submap may be bent at its end, the back submap at its beginning or end if that lies within the front
+// submap.
 TEST(SubmapAlignment, WithoutEitherEndItIsTriedTheLongestFirst) {
   const auto [front, back] = make(typical(1, 6));
   const Correspondences common = find_correspondences(front.submap, back.submap, 1.0);
@@ -244,7 +245,7 @@ TEST(SubmapAlignment, DoubtsWhatIsNotKnownWellEnough) {
   EXPECT_EQ(align(c, strict).alignment.doubt, doubt);
 }
 
-// The camera stands still, and the two submaps know nothing of the depths either.
+// The camera stands still, and the depths in one of the submaps are wrong.
 TEST(SubmapAlignment, DoubtsAScaleThatNothingTells) {
   Case c = typical(66, 4);
   c.path = straight(60, {0, 0, 0});

@@ -53,10 +53,10 @@ TEST(OtherCalibration, CalibratedOnceMoreOrMadeSmallerItIsTheSame) {
 TEST(OtherCalibration, IsLookedForInEarlierSessionsOfTheStream) {
   Atlas atlas;
   const auto put = [&atlas](const Submap& submap) {
-    atlas.change_submap(submap.key, [&submap](Submap* stored) {
+    EXPECT_TRUE(atlas.change_submap(submap.key, [&submap](Submap* stored) {
       *stored = submap;
-      return std::string();
-    });
+      return Result<>();
+    }));
   };
   put(submap(5, 77, 525));
   put(submap(9, 77, 350));

@@ -31,7 +31,7 @@ class LinkGraphTest : public ::testing::Test {
     pair = {1, 1, edge(a, b, inliers, doubt)};
     return &*pair.edge;
   }
-  // The only edge of its two submaps in places.found.
+  // Adds the only edge of these two submaps to places.found.
   void by_appearance(int a, int b, int inliers) {
     graph_.places.found.push_back(edge(a, b, inliers));
     graph_.places.found.back().link.kind = Link::Kind::kAppearance;
@@ -69,7 +69,7 @@ TEST_F(LinkGraphTest, AcceptedEdgesOfBothKindsHoldSubmapsTogether) {
 }
 
 TEST_F(LinkGraphTest, WhatIsInheritedHoldsThemTogetherButIsNoEdge) {
-  graph_.inherited = {{key(1), key(2)}};
+  graph_.tied_before = {{key(1), key(2)}};
   EXPECT_TRUE(hang_together(1, 2));
   Groups tied = graph_.tied();
   EXPECT_NE(tied.find(key(1)), tied.find(key(2)));
@@ -132,7 +132,7 @@ TEST_F(LinkGraphTest, LosesSingleJoints) {
 TEST_F(LinkGraphTest, ARevisionThatChangesNothingIsTakenAsCompared) {
   by_images(1, 2, 50);
   by_images(2, 3, 50);
-  graph_.compared[{key(2), key(3)}].revision_a = 0;  // of an earlier one
+  graph_.compared[{key(2), key(3)}].revision_a = 0;  // as if compared with an earlier revision
   graph_.take_as_compared(key(2), 2);
   EXPECT_EQ((graph_.compared[{key(1), key(2)}].revision_b), 2);
   EXPECT_EQ((graph_.compared[{key(1), key(2)}].revision_a), 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Links that are wrong: which are taken out of a map, and what is left of it.
+// Wrong links: which ones are removed from a map, and which submaps remain in it.
 #include "map_server/merging/arrangement.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ TEST_F(ArrangementTest, ARefusedLinkIsToldAndJoinsNothing) {
   EXPECT_LT(error(map.placements).rmse, 0.04);
 }
 
-// Each part of it fits what it was made of; both together do not.
+// Each part of the torn submap fits the submap beside it, but the two parts do not fit each other.
 TEST_F(ArrangementTest, ATornSubmapIsNotJoinedByLikenessEither) {
   recipes_[back1_].distortion = jump(33, Sim3(1.5, so3_exp({0, 0.3, 0}), {0.5, 0, 0}));
   made_[back1_] = make_submap(world_, images_, recipes_[back1_]);
@@ -44,8 +44,8 @@ TEST_F(ArrangementTest, ATornSubmapIsNotJoinedByLikenessEither) {
   EXPECT_FALSE(maker.build({.submaps = submaps()}).placements.contains(front1_));
 }
 
-// The front submap goes wrong half way, where nobody sees it: to the back submap of its end all seems to fit. Another
-// back submap knows its beginning too.
+// The front submap jumps half way, where no other submap sees it, so everything seems to fit for the back submap at its
+// end. Another back submap overlaps with its beginning too.
 TEST_F(ArrangementTest, ALinkThatTheRestContradictsIsTakenOut) {
   recipes_[front1_].distortion = jump(18, Sim3(1.4, so3_exp({0, 0.2, 0}), {0.3, 0, 0}));
   made_[front1_] = make_submap(world_, images_, recipes_[front1_]);
@@ -73,7 +73,8 @@ TEST_F(ArrangementTest, ALinkThatTheRestContradictsIsTakenOut) {
   EXPECT_EQ(doubt(other, front1_, back1_), "");
 }
 
-// A wrong link was believed and served. More comes, and contradicts it: what it alone had joined leaves the map.
+// A wrong link was accepted, and the map served. Later evidence contradicts it, and the submap that only this link had
+// joined leaves the map.
 TEST_F(ArrangementTest, AWrongMergeThatWasServedComesApart) {
   recipes_[front1_].distortion = jump(18, Sim3(1.4, so3_exp({0, 0.2, 0}), {0.3, 0, 0}));
   made_[front1_] = make_submap(world_, images_, recipes_[front1_]);
@@ -81,7 +82,7 @@ TEST_F(ArrangementTest, AWrongMergeThatWasServedComesApart) {
   const Placements served = maker.build({.submaps = submaps()}).placements;
   ASSERT_TRUE(served.contains(front1_)) << "to the back submap of its end all seems to fit";
 
-  // What front1 is after its jump, it is for itself now.
+  // A new revision of front1 no longer fits the other submaps.
   made_[front1_].submap.revision = 2;
   SubmapRecipe torn = recipes_[front1_];
   torn.distortion = jump(0, Sim3());
@@ -96,8 +97,8 @@ TEST_F(ArrangementTest, AWrongMergeThatWasServedComesApart) {
   EXPECT_FALSE(map.unmoved.contains(front1_));
 }
 
-// The scale of one slips within the images that it shares with the only submap before it: the joints there contradict
-// each other, however many of them are asked.
+// The scale of front2 slips within the images that it shares with the only submap before it. So the joints there
+// contradict each other, but no other edge does.
 TEST_F(ArrangementTest, AnOnlyTieHoldsWhereItAgreesBest) {
   recipes_[front2_].distortion = jump(58, Sim3(1.06, so3_exp({0, 0.06, 0}), {0.06, 0, 0}));
   made_[front2_] = make_submap(world_, images_, recipes_[front2_]);

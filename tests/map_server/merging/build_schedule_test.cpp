@@ -11,7 +11,7 @@ constexpr BuildNeeds kNothing{.untried = {}, .has_news = false, .size = {3, 100}
 constexpr BuildNeeds kNews{.untried = {}, .has_news = true, .size = {3, 100}};
 constexpr BuildNeeds kGrown{.untried = {}, .has_news = true, .size = {4, 130}};
 
-// Looks every 2 s, adjusts every 20 s.
+// The schedule allows a build every 2 s and an adjustment every 20 s.
 class BuildScheduleTest : public testing::Test {
  protected:
   std::optional<BuildScope> due(const BuildNeeds& needs, double now_s) const {
@@ -66,7 +66,7 @@ TEST_F(BuildScheduleTest, InAHurryAllIsDueAtOnceUntilItHasBegun) {
   EXPECT_EQ(due(kNews, 0.1), BuildScope::kAll);
   schedule_.begun(BuildScope::kAll, kSecond_us);
   EXPECT_FALSE(schedule_.is_in_a_hurry());
-  schedule_.hurry();  // for what came meanwhile
+  schedule_.hurry();  // because of submaps that came meanwhile
   schedule_.built(BuildScope::kAll, 3, 10, kNews.size);
   EXPECT_TRUE(schedule_.is_in_a_hurry());
   EXPECT_EQ(due(kNothing, 2), std::nullopt);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs of submaps that must not be merged, and pairs that must: what the alignment is for.
+// Pairs of submaps that must not be merged, and pairs that must: the purpose of the alignment.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kEvery = 3;
 
-// Who made b: through which lens, with which pyramid.
+// The camera and the pyramid with which b was made.
 struct Maker {
   Camera camera = test_camera();
   Pyramid pyramid{};
@@ -25,10 +25,11 @@ struct Maker {
 
 struct Pair {
   SyntheticSubmap a, b;
-  Sim3 a_moved{};  // by the distortion of a, where they meet
+  Sim3 a_moved{};  // distortion of a where the two submaps meet
 };
 
-// A front submap and a back submap that goes on from there, `shared` keyframes in common, between 3 and 10.
+// A front submap, and a back submap that begins before its end and goes on. They have `shared` keyframes in common,
+// between 3 and 10.
 struct Recipes {
   SubmapRecipe front, back;
   explicit Recipes(unsigned seed, int shared) {
@@ -49,9 +50,9 @@ Alignment align(const SyntheticSubmap& a, const SyntheticSubmap& b) {
 
 int shared_keyframes(unsigned seed) { return 3 + static_cast<int>(seed % 8); }
 
-// --- Must not merge. Each makes a pair of submaps from a seed.
+// --- Pairs that must not merge. Each function makes a pair of submaps from a seed.
 
-// What is elsewhere, so full of keypoints that many fall on the same pixels.
+// Makes a submap of another place, with so many keypoints that many fall on the same pixels.
 SyntheticSubmap make_there(const World& world, const CameraPath& path, unsigned seed, const Maker& maker,
                            SubmapRecipe recipe) {
   const auto images = film(world, path,
@@ -65,7 +66,8 @@ SyntheticSubmap make_there(const World& world, const CameraPath& path, unsigned 
   return make_submap(world, images, recipe, maker.camera);
 }
 
-// Another room, filmed at the same times along another path, so full of keypoints that many fall on the same pixels.
+// The second submap is of another room, filmed at the same times along another path, with so many keypoints that many
+// fall on the same pixels.
 Pair another_room(unsigned seed, const Maker& maker) {
   Recipes r(seed, shared_keyframes(seed));
   const World here = make_room(seed, 16000), there = make_room(seed + 5000, 16000);
@@ -76,8 +78,8 @@ Pair another_room(unsigned seed, const Maker& maker) {
   return {make_submap(here, images, r.front), make_there(there, other, seed, maker, r.back)};
 }
 
-// Rebuilt with all depths turned over: what moves to the left by parallax moves to the right by rotation (the classical
-// ambiguity of a narrow view).
+// The second submap has all its depths reversed: motion to the left by parallax is taken for motion to the right by
+// rotation (the classical ambiguity of a narrow field of view).
 Pair turned_over(unsigned seed, const Maker& maker) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
@@ -88,7 +90,7 @@ Pair turned_over(unsigned seed, const Maker& maker) {
   SyntheticSubmap& b = pair.b;
   const SE3 middle = b.submap.keyframes.at(static_cast<int>(b.submap.keyframes.size()) / 4).cam_from_submap;
   const double depth = 2.5 * b.submap_from_world.scale;
-  const auto mirror = [&](const Eigen::Vector3d& p) {  // about a plane 2.5 m ahead
+  const auto mirror = [&](const Eigen::Vector3d& p) {  // reflects about a plane 2.5 m ahead
     Eigen::Vector3d q = middle * p;
     q.z() = std::max(0.1 * depth, 2 * depth - q.z());
     return Eigen::Vector3d(middle.inverse() * q);
@@ -103,14 +105,14 @@ Pair turned_over(unsigned seed, const Maker& maker) {
   return pair;
 }
 
-// The room in a mirror: same pixels only where chance has it.
+// The second submap is of the mirrored room: pixels agree only by chance.
 Pair mirrored_room(unsigned seed, const Maker& maker) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed, 16000);
   World mirrored = world;
   for (Eigen::Vector3d& p : mirrored.points) p.x() = -p.x();
   CameraPath path = walk_round(60, 0.6), other = path;
-  for (SE3& pose : other) {  // the mirrored camera
+  for (SE3& pose : other) {  // mirrors the camera's path
     SE3 world_from_cam = pose.inverse();
     world_from_cam.translation.x() *= -1;
     const Eigen::Quaterniond q = world_from_cam.rotation;
@@ -121,7 +123,7 @@ Pair mirrored_room(unsigned seed, const Maker& maker) {
   return {make_submap(world, images, r.front), make_there(mirrored, other, seed, maker, r.back)};
 }
 
-// A wall of equal tiles: from some shared image on, the back submap has taken one tile for the next.
+// A wall of equal tiles: from one of the shared images on, the back submap has mistaken one tile for the next.
 Pair repeated_texture(unsigned seed, const Maker& maker) {
   const int shared = shared_keyframes(seed);
   Recipes r(seed, shared);
@@ -135,7 +137,8 @@ Pair repeated_texture(unsigned seed, const Maker& maker) {
   return {make_submap(world, images, r.front), make_submap(world, images_of_b, r.back)};
 }
 
-// Two groups of images that hang together by nothing, with a jump in the midst of the shared ones.
+// The back submap consists of two groups of images that nothing connects, with a jump in the middle of the shared
+// images.
 Pair two_groups(unsigned seed, const Maker& maker) {
   const int shared = shared_keyframes(seed);
   Recipes r(seed, shared);
@@ -150,7 +153,7 @@ Pair two_groups(unsigned seed, const Maker& maker) {
   return {make_submap(world, images, r.front), make_submap(world, images_of_b, r.back)};
 }
 
-// From a window with next to no parallax: every depth a guess, the camera hardly moves.
+// The back submap is from a window with almost no parallax: each depth is a guess, and the camera hardly moves.
 Pair no_parallax(unsigned seed, const Maker& maker) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
@@ -167,7 +170,7 @@ Pair no_parallax(unsigned seed, const Maker& maker) {
   return pair;
 }
 
-// The same, and the camera did stand still there: nothing speaks against it, and nothing for it.
+// As no_parallax(), but the camera did stand still: nothing contradicts the back submap, and nothing confirms it.
 Pair standing_still(unsigned seed, const Maker& maker) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
@@ -181,7 +184,7 @@ Pair standing_still(unsigned seed, const Maker& maker) {
   return {make_submap(world, images, r.front), make_submap(world, images_of_b, r.back)};
 }
 
-// The front was lost before it knew: its last keyframes, those in common, drift away, scale and all.
+// The last keyframes of the front submap, which are the shared ones, drifted before tracking was lost, in scale too.
 Pair garbage_tail(unsigned seed, const Maker& maker) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
@@ -219,7 +222,7 @@ TEST(FalseMerge, None) {
   for (const WrongKind& kind : kWrong) expect_all_refused(kind, "", {});
 }
 
-// Of one image both submaps have the same lens: other lenses are of other rooms.
+// Submaps of the same image have the same lens, so other lenses are tested with other rooms only.
 TEST(FalseMerge, NoneOfAnotherCamera) {
   for (const WrongKind& kind : {kWrong[0], kWrong[1]})
     expect_all_refused(kind, ", of another camera", {.camera = test_fisheye()});
@@ -230,7 +233,7 @@ TEST(FalseMerge, NoneOfAnotherPyramid) {
     expect_all_refused(kind, ", of another pyramid", {.pyramid = {4, 1.5}});
 }
 
-// --- Must merge.
+// --- Pairs that must merge
 
 Pair typical(unsigned seed) {
   const Recipes r(seed, shared_keyframes(seed));
@@ -270,11 +273,12 @@ Pair ahead(unsigned seed) {
   return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
 }
 
-// Both have seen the camera turn on the spot only; each knows depths from where it walked before or after.
+// The camera turns on the spot in the images that both have; each knows the depths from where it walked before or
+// after.
 Pair turning(unsigned seed) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
-  r.front.center_noise_m = r.back.center_noise_m = 0.0005;  // as a bundle adjustment would know them
+  r.front.center_noise_m = r.back.center_noise_m = 0.0005;  // poses as accurate as after bundle adjustment
   CameraPath path = straight(r.back.first, {0.04, 0, 0});
   for (int i = r.back.first; i < 60; ++i) {
     const SE3 turn(so3_exp({0, -0.01, 0}), Eigen::Vector3d(i > r.front.last ? -0.04 : 0, 0, 0));
@@ -294,7 +298,7 @@ Pair bad_end(unsigned seed) {
   return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
 }
 
-// The same, of the last half of them: what it knows of the other half is to be had.
+// As bad_end(), but half of the shared keyframes are wrong. The other half is enough to merge the two.
 Pair bent_end(unsigned seed) {
   Recipes r(seed, 8 + static_cast<int>(seed % 3));
   const World world = make_room(seed);
@@ -303,7 +307,7 @@ Pair bent_end(unsigned seed) {
   return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
 }
 
-// Its scale drifts a little, as that of all monocular maps does.
+// The scale of the front submap drifts slightly, as in every monocular map.
 Pair drifting(unsigned seed) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
@@ -313,7 +317,7 @@ Pair drifting(unsigned seed) {
           r.front.distortion.at((r.back.first + r.front.last) / 2)};
 }
 
-// The images as the other one saw them: corners of other octaves.
+// Both see the same images, but the back submap has another pyramid, and therefore corners of other octaves.
 Pair another_pyramid(unsigned seed) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);

@@ -71,14 +71,14 @@ TEST_F(LinkFinderTest, InheritsOnceWhatItsEdgesDoNotJoin) {
   BuildInput three = input({Chain::kFront1, Chain::kFront2, Chain::kFront3});
   for (const auto& [key, submap] : three.submaps) three.placed[key] = {};
   LinkGraph graph = finder.find({}, three);
-  EXPECT_THAT(graph.inherited,
+  EXPECT_THAT(graph.tied_before,
               ElementsAre(SubmapPair(Chain::kFront1, Chain::kFront2), SubmapPair(Chain::kFront1, Chain::kFront3)));
   BuildInput more = input({Chain::kFront1, Chain::kBack1, Chain::kFront2, Chain::kFront3});
   more.placed = three.placed;
   graph = finder.find(graph, more);
-  EXPECT_THAT(graph.inherited, ElementsAre(SubmapPair(Chain::kFront1, Chain::kFront3)));
+  EXPECT_THAT(graph.tied_before, ElementsAre(SubmapPair(Chain::kFront1, Chain::kFront3)));
   LinkGraph other = finder.find(finder.find({}, input({Chain::kFront1})), three);
-  EXPECT_THAT(other.inherited, IsEmpty()) << "it has begun without a map";
+  EXPECT_THAT(other.tied_before, IsEmpty()) << "it has begun without a map";
 }
 
 TEST_F(LinkFinderTest, OutsideAWeldWhatIsBesideTheMapIsSearchedForOnceMore) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Five submaps that hang together, and how far from the truth a map of them is.
+// Five connected submaps, and the error of a map of them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@
 namespace rumi::testing {
 using namespace rumi::map_server;
 
-// Front, back, front, back, front: three quarters of a round of the room, so that nothing is seen again at the end. The
-// back submaps cover what the front lost.
+// Front, back, front, back, front: three quarters of a walk round the room, so that its end sees no place again. The
+// back submaps cover the gaps between the front submaps.
 class MapBuilderTest : public ::testing::Test {
  protected:
   static constexpr int64_t kSession = 7;
@@ -62,7 +62,7 @@ class MapBuilderTest : public ::testing::Test {
 
   static int image_of(int64_t utime_us) { return static_cast<int>((utime_us - 1'000'000) / 100'000); }
 
-  // Of all frames of the placed submaps.
+  // Returns the error of all frames of the placed submaps.
   PathError error(const Placements& placements) const {
     std::vector<Eigen::Vector3d> estimate, truth;
     for (const auto& [key, placement] : placements)

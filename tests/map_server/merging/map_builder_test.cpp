@@ -14,7 +14,7 @@
 namespace rumi::testing {
 namespace {
 
-// Octaves mean other sizes there: taken for the usual ones, observations would weigh wrongly.
+// The submaps have another pyramid: with the usual one, observations would get wrong weights.
 class OfAnotherPyramid : public MapBuilderTest {
  protected:
   OfAnotherPyramid() : MapBuilderTest(0.001, {4, 1.5}) {}
@@ -95,7 +95,7 @@ TEST_F(MapBuilderTest, EqualInputGivesAnEqualMapToTheBit) {
   expect_same(a, again);
 }
 
-// One that breaks off, and one that is cancelled.
+// One build throws, and one is cancelled.
 TEST_F(MapBuilderTest, WhatComesToNothingLeavesAllAsItWas) {
   const BuildInput some{.submaps = submaps({front1_, back1_, front2_})};
   LinkFinder finder({});
@@ -120,14 +120,14 @@ TEST_F(MapBuilderTest, WhatComesToNothingLeavesAllAsItWas) {
   expect_same(builder.build(finder.find(first.graph, next), next), expected);
 }
 
-// What is placed already stays where it is until the adjustment; the anchor's first keyframe after it too.
+// Submaps that are placed already stay in the map, whatever comes later, unless a larger group takes its place.
 TEST_F(MapBuilderTest, InAnyOrderOfArrival) {
   std::vector<SubmapKey> order = {front1_, back1_, front2_, back2_, front3_};
   std::sort(order.begin(), order.end());
   int number = 0;
   double worst_m = 0;
   do {
-    if (number++ % 40 != 3) continue;  // 3 of 120
+    if (number++ % 40 != 3) continue;  // tests 3 of the 120 orders
     MapMaker maker;
     std::vector<SubmapKey> here;
     Placements placed;
@@ -135,7 +135,7 @@ TEST_F(MapBuilderTest, InAnyOrderOfArrival) {
       here.push_back(key);
       const BuiltMap map = maker.build({.submaps = submaps(here), .placed = placed});
       if (map.placements.empty()) continue;
-      // A group that has more frames takes the place of the map, as a whole.
+      // If another group has more frames, it replaces the map as a whole.
       const bool is_kept = placed.empty() || map.placements.contains(placed.begin()->first);
       for (const auto& [member, placement] : placed) EXPECT_EQ(map.placements.contains(member), is_kept) << member.id;
       EXPECT_TRUE(is_kept || frames_of(map.placements) > frames_of(placed));
@@ -177,7 +177,7 @@ TEST_F(MapBuilderTest, RepeatedCallsKeepTheGaugeAndTheMap) {
   EXPECT_LT(error(placed).rmse, 0.04);
 }
 
-// Of a map that is large beside the limit.
+// The map is larger than the limit for a weld.
 TEST_F(MapBuilderTest, AWeldMovesWhatIsAroundWhatIsNewOnly) {
   MapBuilderOptions options;
   options.arrangement.weld_keyframes = 20;
@@ -194,7 +194,7 @@ TEST_F(MapBuilderTest, AWeldMovesWhatIsAroundWhatIsNewOnly) {
   for (const SubmapKey& key : map.unmoved) EXPECT_TRUE(map.placements.try_emplace(key, placed.at(key)).second);
   print("welded", map, error(map.placements));
   EXPECT_LT(error(map.placements).rmse, 0.08);
-  // Nothing is known to be new: the whole map is looked at when it is due.
+  // Nothing is new, but the whole map is adjusted when that is due.
   const BuiltMap all = maker.build({.submaps = submaps(), .placed = map.placements});
   print("adjusted", all, error(all.placements));
   EXPECT_EQ(all.placements.size(), 5u);
@@ -238,7 +238,7 @@ TEST_F(MapBuilderTest, ASubmapThatGrows) {
   ASSERT_EQ(placed.size(), 5u);
   made_[front3_] = whole;
   made_[front3_].submap.revision = 2;
-  EXPECT_LT(error(placed).rmse, 0.06);  // what is new follows the last keyframe that is placed
+  EXPECT_LT(error(placed).rmse, 0.06);  // new keyframes follow the last keyframe that is placed
   const BuiltMap map = maker.build({.submaps = submaps(), .placed = placed});
   print("grown", map, error(map.placements));
   EXPECT_EQ(map.placements.at(front3_).map_from_submap.size(), whole.submap.keyframes.size());
@@ -253,14 +253,14 @@ TEST_F(MapBuilderTest, AMemberThatDisappears) {
     left.erase(gone);
     const BuiltMap map = maker.build({.submaps = left, .placed = placed});
     EXPECT_FALSE(map.placements.contains(gone));
-    EXPECT_EQ(map.placements.size(), 4u);  // what was placed stays placed
+    EXPECT_EQ(map.placements.size(), 4u);  // the other submaps stay placed
     EXPECT_LT(error(map.placements).rmse, 0.04);
     MapMaker fresh;
     EXPECT_LT(fresh.build({.submaps = left}).placements.size(), 5u);
   }
 }
 
-// Another run of the front, of the same images: what two processes recorded, or a replay into the same map.
+// Another run of front_tracker on the same images: recorded by two processes, or replayed into the same map.
 TEST_F(MapBuilderTest, TwoSessions) {
   SubmapRecipe other = recipes_[front2_];
   other.key = {kSession + 1, 1};
@@ -271,7 +271,7 @@ TEST_F(MapBuilderTest, TwoSessions) {
   other.submap_from_world = random_gauge(123);
   made_[other.key] = make_submap(world_, images_, other);
   SubmapRecipe later = other;
-  later.key = {kSession + 2, 1};  // elsewhere
+  later.key = {kSession + 2, 1};  // it shows another room
   const World elsewhere = make_room(2);
   const auto later_images = film(elsewhere, walk_round(150), {.most_keypoints = 150, .first_utime_us = 50'000'000'000});
   const auto apart = make_submap(elsewhere, later_images, later);

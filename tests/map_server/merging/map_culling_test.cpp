@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "tests/map_server/merging/map_maker.h"
+#include "tests/map_server/place_map.h"
 #include "tests/map_server/synthetic_chain.h"
 #include "tests/map_server/test_atlas.h"
 
@@ -35,7 +36,7 @@ class MapCullingTest : public ::testing::Test {
       if (owner.placement.revision > 0) placed[key] = owner.placement;
     BuiltMap built = maker->build({.submaps = submaps(), .placed = placed});
     for (const auto& [key, submap] : built.culled) put(*submap, &atlas_);
-    atlas_.place_map(built.placements);
+    testing::place_map(&atlas_, built.placements);
     return built;
   }
   size_t keyframes(SubmapKey key) const { return atlas_.find(key)->submap.keyframes.size(); }
@@ -63,7 +64,7 @@ TEST_F(MapCullingTest, BackSubmapsLoseWhatTheMapCanDoWithout) {
   Atlas whole = atlas_;
   const BuiltMap expected = uncut.build({.submaps = submaps()});
   EXPECT_TRUE(expected.culled.empty());
-  whole.place_map(expected.placements);
+  testing::place_map(&whole, expected.placements);
 
   const BuiltMap built = build(&culling);
   EXPECT_EQ(built.culled.size(), 2u);
@@ -78,7 +79,7 @@ TEST_F(MapCullingTest, BackSubmapsLoseWhatTheMapCanDoWithout) {
   for (const auto& [key, placement] : built.placements)
     for (const auto& [id, into] : placement.fused)
       EXPECT_TRUE(atlas_.find(into.submap)->submap.landmark(into.id)) << "fused into what is gone";
-  // Nobody sees a frame move.
+  // No frame moves in the map.
   const auto was = whole.map_trajectory(), is = atlas_.map_trajectory();
   ASSERT_EQ(is.size(), size_t{Chain::kImages});
   for (const auto& [image, map_from_cam] : was)
@@ -93,14 +94,14 @@ TEST_F(MapCullingTest, TheMapCanBeBuiltAgainOfWhatIsLeft) {
   EXPECT_LT(chain_->error(atlas_).rmse, 0.04);
   std::printf("%zu keyframes left at first, %zu then\n", left, keyframes(kBack1) + keyframes(kBack2));
 
-  MapMaker fresh;  // after a restart
+  MapMaker fresh;  // it knows nothing, as after a restart
   fresh.find({.submaps = submaps()});
   int accepted = 0;
   for (const Link& link : fresh.graph().links()) accepted += link.accepted() && link.kind == Link::Kind::kSameImages;
   EXPECT_EQ(accepted, 4);
   const BuiltMap anew = fresh.build({.submaps = submaps()});
   EXPECT_EQ(anew.placements.size(), 5u);
-  atlas_.place_map(anew.placements);
+  testing::place_map(&atlas_, anew.placements);
   const PathError error = chain_->error(atlas_);
   std::printf("anew: ATE %.1f mm, worst %.1f mm\n", 1000 * error.rmse, 1000 * error.worst);
   EXPECT_LT(error.rmse, 0.04);

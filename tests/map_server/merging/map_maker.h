@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Finds links and builds maps as MapMerger does: each build goes on from the graph of the one before.
+// Finds links and builds maps like MapMerger: each build continues from the graph of the previous one.
 #pragma once
 
 #include <utility>

@@ -12,7 +12,7 @@ using ::testing::IsEmpty;
 
 class MapMembersTest : public ::testing::Test {
  protected:
-  // A submap of so many frames, which no other one has.
+  // Adds a submap with this many frames, which no other submap has.
   SubmapKey add(SubmapKey key, int frames) {
     Submap& submap = made_[key];
     submap.key = key;
@@ -40,7 +40,7 @@ TEST_F(MapMembersTest, TheGroupWithMostFramesIsTheMap) {
   EXPECT_THAT(members(), ElementsAre(a));
   join(b, c);
   EXPECT_THAT(members(), ElementsAre(b, c));
-  graph_.inherited = {{a, b}};
+  graph_.tied_before = {{a, b}};
   EXPECT_THAT(members(), ElementsAre(a, b, c));
 }
 
@@ -61,7 +61,7 @@ TEST_F(MapMembersTest, AnImageOfTwoSubmapsCountsOnce) {
 TEST_F(MapMembersTest, FramesOfPreferredSessionsComeFirst) {
   add({1, 1}, 100);
   const SubmapKey now = add({2, 1}, 5);
-  input_.preferred = {2};
+  input_.present = {2};
   EXPECT_THAT(members(), ElementsAre(now));
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 using BrokenBuildTest = MapMergerTest;
 
-// It ended the process.
+// Formerly, a build that threw ended the process.
 TEST_F(BrokenBuildTest, ABuildThatThrowsIsRefusedAndTheNextGoesWithout) {
   for (const bool thread : {false, true}) {
     atlas_ = {};
@@ -54,7 +54,8 @@ TEST_F(BrokenBuildTest, WhereAllIsNewTheOneToBlameIsFound) {
   EXPECT_LT(chain_->error(atlas_).rmse, 0.04);
 }
 
-// As at a start from a database: what lay in the map stays there, whoever is to blame and whatever is tried meanwhile.
+// As at a start from a database: submaps of the map stay in their place, whichever submap is to blame and whatever is
+// tried meanwhile.
 TEST_F(BrokenBuildTest, WhatIsInDoubtStaysInTheMapWhereItLay) {
   {
     MapMerger merger(options_);
@@ -75,7 +76,7 @@ TEST_F(BrokenBuildTest, WhatIsInDoubtStaysInTheMapWhereItLay) {
   EXPECT_LT(chain_->error(atlas_).rmse, 0.05);
 }
 
-// What it knew of the links, and of the map, is what the next one begins with.
+// The next build begins with the links and the map known before.
 TEST_F(BrokenBuildTest, ABuildThatThrowsForgetsNothing) {
   MapMerger merger(options_);
   for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2}) put(key);
@@ -88,7 +89,7 @@ TEST_F(BrokenBuildTest, ABuildThatThrowsForgetsNothing) {
   ASSERT_TRUE(next);
   EXPECT_EQ(next->scope, BuildScope::kWeld);
   EXPECT_EQ(next->report.members, 3);
-  EXPECT_TRUE(next->placements.empty()) << "the map is what it was: nothing is to be welded anew";
+  EXPECT_TRUE(next->map.placements().empty()) << "the map is what it was: nothing is to be welded anew";
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A merger, and the atlas that it builds the map of, without map_server around them.
+// A merger and its atlas, without the rest of map_server.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "map_server/merging/map_merger.h"
+#include "tests/map_server/place_map.h"
 #include "tests/map_server/synthetic_chain.h"
 
 namespace rumi::testing {
@@ -23,10 +24,10 @@ class MapMergerTest : public ::testing::Test {
 
   void put(SubmapKey key) { testing::put(chain_->submap(key), &atlas_); }
   void change(SubmapKey key) {
-    atlas_.change_submap(key, [](Submap* submap) {
+    EXPECT_TRUE(atlas_.change_submap(key, [](Submap* submap) {
       ++submap->revision;
-      return std::string();
-    });
+      return Result<>();
+    }));
   }
   Submap broken(SubmapKey key, int64_t revision = 1) const {
     Submap submap = chain_->submap(key);
@@ -39,7 +40,7 @@ class MapMergerTest : public ::testing::Test {
     submap.revision = revision;
     return submap;
   }
-  // As if somebody asked for all of it, until nothing is left to do.
+  // Ticks, as if somebody had requested all of the map, until nothing is left to do.
   void tick_until_idle(MapMerger* merger, double now_s) {
     merger->hurry();
     for (int i = 0; i < 100 && !merger->idle(atlas_); ++i) {
@@ -53,15 +54,15 @@ class MapMergerTest : public ::testing::Test {
     }
     EXPECT_TRUE(merger->idle(atlas_));
   }
-  // As map_server does.
+  // Ticks, and takes the result over as map_server does.
   std::optional<MergeResult> tick(MapMerger* merger, double now_s) {
     std::optional<MergeResult> result = merger->tick(static_cast<int64_t>(1e6 * now_s), atlas_);
     if (!result) return result;
     for (const auto& [key, submap] : result->culled) testing::put(*submap, &atlas_);
-    if (!result->placements.empty()) atlas_.place_map(result->placements, result->unmoved);
+    if (!result->map.placements().empty()) testing::place_map(&atlas_, result->map.placements(), result->map.unmoved());
     return result;
   }
-  // Until what is under way is done.
+  // Ticks until the running build has ended.
   std::optional<MergeResult> wait(MapMerger* merger, double now_s) {
     for (int64_t i = 0; i < 1'000'000'000 && merger->running(); ++i) {
       if (auto result = tick(merger, now_s)) return result;
@@ -70,7 +71,7 @@ class MapMergerTest : public ::testing::Test {
     return std::nullopt;
   }
 
-  // An adjusted map whose last submap has its first seven keyframes only.
+  // Returns an adjusted map whose last submap has only its first seven keyframes, and the rest of that submap.
   Growth begin_to_grow(MapMerger* merger) {
     Growth growth = grow(chain_->submap(Chain::kFront2), 7);
     put(Chain::kFront1);

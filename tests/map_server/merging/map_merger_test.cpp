@@ -8,6 +8,7 @@
 #include <ctime>
 
 #include "tests/map_server/merging/map_merger_fixture.h"
+#include "tests/map_server/place_map.h"
 
 namespace rumi::testing {
 namespace {
@@ -35,13 +36,13 @@ TEST_F(MapMergerTest, LooksAtWhatIsNewNowAndThen) {
   EXPECT_FALSE(merger.idle(atlas_));
   const auto first = tick(&merger, 10);
   ASSERT_TRUE(first);
-  EXPECT_TRUE(first->placements.empty()) << "one submap is a map as it is, until it is adjusted";
+  EXPECT_TRUE(first->map.placements().empty()) << "one submap is a map as it is, until it is adjusted";
   EXPECT_FALSE(merger.idle(atlas_));
   for (double now_s = 10; now_s < 30; ++now_s) EXPECT_FALSE(tick(&merger, now_s));
   const auto adjusted = tick(&merger, 30);
   ASSERT_TRUE(adjusted);
   EXPECT_EQ(adjusted->scope, Scope::kOnTheWay);
-  EXPECT_EQ(adjusted->placements.size(), 1u);
+  EXPECT_EQ(adjusted->map.placements().size(), 1u);
   EXPECT_FALSE(merger.idle(atlas_)) << "what its points are seen by besides is still to be found";
   for (double now_s = 30; now_s < 110; ++now_s) EXPECT_FALSE(tick(&merger, now_s));
   const auto all = tick(&merger, 110);
@@ -54,7 +55,7 @@ TEST_F(MapMergerTest, LooksAtWhatIsNewNowAndThen) {
   EXPECT_TRUE(tick(&merger, 200));
   const auto second = tick(&merger, 201);
   ASSERT_TRUE(second) << "the adjustment was due long ago";
-  EXPECT_EQ(second->placements.size(), 1u) << "they have nothing in common";
+  EXPECT_EQ(second->map.placements().size(), 1u) << "they have nothing in common";
   change(Chain::kFront2);
   EXPECT_FALSE(tick(&merger, 202.9));
   EXPECT_TRUE(tick(&merger, 203));
@@ -71,7 +72,7 @@ TEST_F(MapMergerTest, ABackSubmapTiesTwoFrontsAndTheWholeIsAdjustedLater) {
   const auto weld = tick(&merger, 4);
   ASSERT_TRUE(weld);
   EXPECT_EQ(weld->scope, Scope::kWeld);
-  EXPECT_EQ(weld->placements.size(), 3u);
+  EXPECT_EQ(weld->map.placements().size(), 3u);
   EXPECT_EQ(weld->report.members, 3);
   EXPECT_GT(weld->cpu_s, 0);
   EXPECT_EQ(std::count_if(weld->links.begin(), weld->links.end(), [](const Link& link) { return link.accepted(); }), 2);
@@ -82,7 +83,7 @@ TEST_F(MapMergerTest, ABackSubmapTiesTwoFrontsAndTheWholeIsAdjustedLater) {
   const auto all = tick(&merger, options_.adjustment_interval_s);
   ASSERT_TRUE(all);
   EXPECT_EQ(all->scope, Scope::kOnTheWay);
-  EXPECT_EQ(all->placements.size(), 3u);
+  EXPECT_EQ(all->map.placements().size(), 3u);
   EXPECT_LT(chain_->error(atlas_).rmse, 0.04);
   EXPECT_EQ(all->report.observed, 0);
   for (double now_s = 20; now_s < 100; ++now_s) EXPECT_FALSE(tick(&merger, now_s));
@@ -106,7 +107,7 @@ TEST_F(MapMergerTest, ALargerMapIsAdjustedLessOften) {
   EXPECT_TRUE(tick(&merger, 0.25 * weld->report.views));
 }
 
-// In a room that is known front_tracker goes on correcting what it has.
+// In a known room front_tracker still corrects its submaps all the time.
 TEST_F(MapMergerTest, AMapThatIsMuchAsItWasIsAdjustedLessOften) {
   options_.adjustment_interval_s = 100;
   MapMerger merger(options_);
@@ -138,9 +139,9 @@ TEST_F(MapMergerTest, InAHurryAllIsDoneAtOnce) {
   const auto all = tick(&merger, 0.1);
   ASSERT_TRUE(all);
   EXPECT_EQ(all->scope, Scope::kAll);
-  EXPECT_EQ(all->placements.size(), 3u);
+  EXPECT_EQ(all->map.placements().size(), 3u);
   EXPECT_TRUE(merger.idle(atlas_));
-  // After a weld: what that left to do.
+  // After a weld, a hurry causes the adjustment that is still to be done.
   put(Chain::kBack2);
   put(Chain::kFront3);
   const auto weld = tick(&merger, 3);
@@ -151,9 +152,9 @@ TEST_F(MapMergerTest, InAHurryAllIsDoneAtOnce) {
   const auto rest = tick(&merger, 3);
   ASSERT_TRUE(rest);
   EXPECT_EQ(rest->scope, Scope::kAll);
-  EXPECT_EQ(rest->placements.size(), 5u);
+  EXPECT_EQ(rest->map.placements().size(), 5u);
   EXPECT_LT(chain_->error(atlas_).rmse, 0.04);
-  // That was all: what comes next is not hurried.
+  // The hurry is over: what comes next is not built at once.
   change(Chain::kFront3);
   EXPECT_FALSE(tick(&merger, 3.1));
 }
@@ -200,11 +201,11 @@ TEST_F(MapMergerTest, AThreadMakesTheSameMap) {
   EXPECT_FALSE(tick(&merger, 0));
   EXPECT_TRUE(merger.running());
   EXPECT_FALSE(merger.idle(atlas_));
-  change(Chain::kBack1);  // the thread has copies
+  change(Chain::kBack1);  // has no effect on the running build, because the thread works on copies
   const auto same_weld = wait(&merger, 0);
   ASSERT_TRUE(same_weld);
   atlas_ = before;
-  atlas_.place_map(same_weld->placements);
+  testing::place_map(&atlas_, same_weld->map.placements());
   merger.hurry();
   EXPECT_FALSE(tick(&merger, 0));
   const auto same_all = wait(&merger, 0);
@@ -213,13 +214,13 @@ TEST_F(MapMergerTest, AThreadMakesTheSameMap) {
   EXPECT_TRUE(merger.idle(atlas_));
   for (const auto& [expected, got] : {std::pair{&weld, &same_weld}, std::pair{&all, &same_all}}) {
     EXPECT_EQ((*expected)->links, (*got)->links);
-    ASSERT_EQ((*expected)->placements.size(), (*got)->placements.size());
-    for (const auto& [key, placement] : (*expected)->placements)
-      EXPECT_TRUE(same_place(placement, (*got)->placements.at(key)));
+    ASSERT_EQ((*expected)->map.placements().size(), (*got)->map.placements().size());
+    for (const auto& [key, placement] : (*expected)->map.placements())
+      EXPECT_TRUE(same_place(placement, (*got)->map.placements().at(key)));
   }
 }
 
-// What came while the whole map was adjusted is not in that map.
+// Submaps that came while the whole map was adjusted are not in the adjusted map.
 TEST_F(MapMergerTest, AHurryDuringAnAdjustmentIsNotForgotten) {
   options_.thread = true;
   MapMerger merger(options_);
@@ -232,13 +233,13 @@ TEST_F(MapMergerTest, AHurryDuringAnAdjustmentIsNotForgotten) {
   const auto first = wait(&merger, 0);
   ASSERT_TRUE(first);
   EXPECT_EQ(first->scope, Scope::kAll);
-  EXPECT_EQ(first->placements.size(), 3u);
+  EXPECT_EQ(first->map.placements().size(), 3u);
   EXPECT_FALSE(tick(&merger, 0));
   ASSERT_TRUE(merger.running());
   const auto second = wait(&merger, 0);
   ASSERT_TRUE(second);
   EXPECT_EQ(second->scope, Scope::kAll);
-  EXPECT_EQ(second->placements.size(), 5u);
+  EXPECT_EQ(second->map.placements().size(), 5u);
   EXPECT_TRUE(merger.idle(atlas_));
 }
 

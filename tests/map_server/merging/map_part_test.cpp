@@ -19,7 +19,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-// Ten submaps in a row, of ten keyframes each.
+// Ten submaps in a row, with ten keyframes each.
 class MapPartTest : public ::testing::Test {
  protected:
   MapPartTest() {
@@ -46,16 +46,16 @@ class MapPartTest : public ::testing::Test {
 TEST_F(MapPartTest, ASmallMapIsLookedAtAsAWhole) {
   const MapPart part = around({key(10)}, 100);
   EXPECT_EQ(part.submaps, members_);
-  EXPECT_THAT(part.held, IsEmpty());
+  EXPECT_THAT(part.fixed, IsEmpty());
 }
 
 TEST_F(MapPartTest, OfALargeOneWhatIsAroundAndItsEdgeIsHeld) {
   const MapPart part = around({key(10)}, 35);
   EXPECT_THAT(part.submaps, ElementsAre(key(7), key(8), key(9), key(10)));
-  EXPECT_THAT(part.held, ElementsAre(key(7)));
+  EXPECT_THAT(part.fixed, ElementsAre(key(7)));
   const MapPart middle = around({key(5)}, 30);
   EXPECT_THAT(middle.submaps, ElementsAre(key(4), key(5), key(6)));
-  EXPECT_THAT(middle.held, ElementsAre(key(4), key(6)));
+  EXPECT_THAT(middle.fixed, ElementsAre(key(4), key(6)));
 }
 
 TEST_F(MapPartTest, WhateverTouchesWhatIsNewIsInItHoweverLarge) {
@@ -63,14 +63,14 @@ TEST_F(MapPartTest, WhateverTouchesWhatIsNewIsInItHoweverLarge) {
   contacts_.insert({key(5), key(10)});
   const MapPart part = around({key(10)}, 1);
   EXPECT_THAT(part.submaps, ElementsAre(key(1), key(5), key(9), key(10)));
-  EXPECT_THAT(part.held, ElementsAre(key(1), key(5), key(9)));
+  EXPECT_THAT(part.fixed, ElementsAre(key(1), key(5), key(9)));
 }
 
 TEST_F(MapPartTest, WhatIsNotInTheMapDoesNotCount) {
   members_.erase(key(9));
   const MapPart part = around({key(10)}, 100);
   EXPECT_THAT(part.submaps, ElementsAre(key(10)));
-  EXPECT_THAT(part.held, IsEmpty());
+  EXPECT_THAT(part.fixed, IsEmpty());
 }
 
 class PieceTest : public ::testing::Test {
@@ -104,7 +104,7 @@ TEST_F(PieceTest, EveryViewIsInOnePiece) {
 }
 
 TEST_F(PieceTest, APieceIsOfViewsThatSeeTheSame) {
-  // Of two walks of the same way the halves belong together, not the walks.
+  // If two walks take the same way, a piece contains the same part of both walks, not one whole walk.
   MapModel twice = model_;
   const int n = static_cast<int>(model_.views.size());
   for (int v = 0; v < n; ++v) {
@@ -135,7 +135,7 @@ TEST_F(PieceTest, ViewsThatShareNothingAreNotOnePiece) {
   EXPECT_EQ(pieces[0].size(), 30u);
 }
 
-// None that a view sees may be missing, and most of the others are.
+// The cells must offer every point that a view sees, and must not offer most of the others.
 TEST_F(PieceTest, CellsHoldWhatAViewSees) {
   const double kReach = 2.5;
   model_.points[3].position.setConstant(std::nan(""));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Submaps of which something is no number, or nothing is there.
+// Submaps that are empty, or have values that are not finite.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -75,16 +75,16 @@ TEST_F(SpoiledSubmapsTest, EmptyAndBlindSubmapsDoNoHarm) {
   EXPECT_TRUE(finite(map.placements));
   EXPECT_LT(error(map.placements).rmse, 0.04);
   EXPECT_TRUE(map.placements.at(back1_).position_in_map(made_[back1_].submap, lonely).allFinite());
-  // Placed once, and empty since.
+  // These submaps were placed once, but are empty now.
   Placements placed = map.placements;
   placed[empty.key] = {};
   placed[blind.key] = {};
   EXPECT_TRUE(finite(maker.build({.submaps = all, .placed = placed}).placements));
-  // Nothing but such and a back submap.
+  // A build of only one such submap and a back submap.
   const Submaps no_front = {{empty.key, &empty}, {back1_, &made_[back1_].submap}};
   EXPECT_FALSE(
       maker.build({.submaps = no_front, .placed = {{empty.key, {}}, {back1_, {}}}}).placements.contains(empty.key));
-  // Nothing but such.
+  // A build of only such submaps.
   const Submaps useless = {{empty.key, &empty}, {blind.key, &blind}};
   EXPECT_TRUE(finite(maker.build({.submaps = useless, .placed = {{empty.key, {}}, {blind.key, {}}}}).placements));
 }

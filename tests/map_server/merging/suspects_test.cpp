@@ -15,11 +15,12 @@ SubmapKey key(int id) { return {1, id}; }
 
 class SuspectsTest : public ::testing::Test {
  protected:
-  // `n` submaps at their first revision.
+  // Begins with `n` submaps at their first revision.
   explicit SuspectsTest(int n = 16) {
     for (int id = 1; id <= n; ++id) all_[key(id)] = 1;
   }
-  // One build; it breaks off with any of these submaps at these revisions, or with all of `together`.
+  // Simulates a build. It throws if it has any of bad_ at the same revision, or all of together_. Returns true if it
+  // does not.
   bool build(Scope scope = Scope::kWeld) {
     ++builds_;
     chosen_ = suspects_.choose(all_, suspects_.unfinished().value_or(scope), now_us_);
@@ -35,7 +36,7 @@ class SuspectsTest : public ::testing::Test {
       suspects_.built();
     return !breaks && !clash;
   }
-  // Until nothing is in doubt that was not tried.
+  // Builds until all submaps in doubt have been tried.
   void build_until_it_is_known(Scope scope = Scope::kWeld) {
     build(scope);
     while (suspects_.unfinished() && builds_ < 1000) build(scope);
@@ -69,7 +70,7 @@ TEST_F(SuspectsTest, WhatAloneIsNewIsLeftOutAtOnce) {
   EXPECT_EQ(chosen_.size(), all_but(1));
 }
 
-// As at a start from a database.
+// All submaps are new, as at a start from a database.
 TEST_F(SuspectsTest, WhereAllAreNewTheOneToBlameIsFoundByHalves) {
   bad_[key(11)] = 1;
   build_until_it_is_known();

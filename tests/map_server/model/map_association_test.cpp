@@ -14,12 +14,12 @@ namespace rumi::testing {
 using namespace rumi::map_server;
 namespace {
 
-// Two submaps that walked the same way at different times, and have no image in common.
+// Two submaps of the same walk at different times, without any image in common.
 class Twice {
  public:
   explicit Twice(World world, double point_share = 0.8) : world_(std::move(world)) {
     CameraPath path = walk_round(30, 0.3);
-    for (const SE3& pose : walk_round(30, 0.3))  // a little beside
+    for (const SE3& pose : walk_round(30, 0.3))  // the second walk is slightly beside the first
       path.push_back(SE3(so3_exp({0.02, -0.03, 0.05}), Eigen::Vector3d(0.08, 0.05, -0.05)) * pose);
     images_ = film(world_, path, {});
     for (int s = 0; s < 2; ++s) {
@@ -32,7 +32,7 @@ class Twice {
     }
   }
 
-  // The second submap lies this far from where it should.
+  // Joins the two submaps, with the second one displaced by `off`.
   MapModel model(const Sim3& off) {
     for (auto& [utime_us, similarity] : placed_[{1, 2}].placement.map_from_submap) similarity = off * similarity;
     return join(placed_, 1);
@@ -44,8 +44,8 @@ class Twice {
   }
 
   struct Score {
-    int common = 0;            // world points that both submaps know
-    int right = 0, wrong = 0;  // points of several landmarks
+    int common = 0;            // world points that both submaps have
+    int right = 0, wrong = 0;  // points with several landmarks, which are or are not the same world point
     int right_seen = 0, wrong_seen = 0;
   };
   Score score(const MapModel& model) const {
@@ -70,7 +70,7 @@ class Twice {
   std::map<SubmapKey, PlacedSubmap> placed_;
 };
 
-// Turned by this about the room's middle, and moved by this.
+// Returns a rotation about the middle of the room, followed by a shift.
 Sim3 off_by(double rotation_deg, double distance_m, double scale = 1) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, 0.5).normalized();
   return {scale, so3_exp(rotation_deg * M_PI / 180 * axis), distance_m * Eigen::Vector3d(0.6, 0, -0.8)};
@@ -112,7 +112,7 @@ TEST(MapAssociation, AndAdjustmentBringTogetherWhatWasApart) {
   EXPECT_LT(together.rmse, 1);
 }
 
-// Each point has a twin that looks the same, 3 cm away, and the images show both.
+// Each point has an identical twin 3 cm away, and the images show both.
 TEST(MapAssociation, NeverFusesWhatOneImageSeesApart) {
   World world = make_room(5, 1000);
   for (size_t i = 0, count = world.points.size(); i < count; ++i) {
@@ -131,14 +131,14 @@ TEST(MapAssociation, NeverFusesWhatOneImageSeesApart) {
     for (const LandmarkRef& ref : point.landmarks)
       EXPECT_TRUE(of_submap.insert({ref.submap, twice.world_point(ref) % 1000}).second);
   }
-  EXPECT_GT(score.right, score.wrong);  // which of the two it is, nobody can say
+  EXPECT_GT(score.right, score.wrong);  // no more than that, because nobody can tell a point from its twin
 }
 
 TEST(MapAssociation, FindsNothingWhereNothingIs) {
   MapModel empty;
   EXPECT_EQ(associate({}, {}, &empty).fused, 0);
   Twice twice(make_room(6));
-  MapModel model = twice.model(off_by(0, 3));  // far from where it is
+  MapModel model = twice.model(off_by(0, 3));  // far from the true position
   const AssociationReport report = associate({}, {}, &model);
   const Twice::Score score = twice.score(model);
   EXPECT_LE(score.wrong + score.right, 3);

@@ -12,7 +12,7 @@ namespace rumi::testing {
 using namespace rumi::map_server;
 namespace {
 
-// A model of a front and a back submap that share images, at the truth.
+// A model without errors, of a front and a back submap that share images.
 class MapBundleTest : public ::testing::Test {
  protected:
   explicit MapBundleTest(double wrong_observations = 0) : world_(make_room(1)) {
@@ -76,7 +76,7 @@ class MapBundleWithOutliersTest : public MapBundleTest {
 TEST_F(MapBundleWithOutliersTest, FindsTheTruthAgain) {
   const MapModel truth = model_;
   adjust_map({}, {}, &model_);
-  const double best_m = error().rmse;  // what the noise of the pixels leaves
+  const double best_m = error().rmse;  // the error that the noise of the pixels leaves
   model_ = truth;
   disturb(0.5, 0.03, 0.05);
   const double before_m = error().rmse;
@@ -102,7 +102,7 @@ TEST_F(MapBundleWithOutliersTest, FindsTheTruthAgain) {
   EXPECT_EQ(inconsistency(model_), "");
 }
 
-// Three of its landmarks agree with many places of a view.
+// The view keeps only three landmarks, which agree with many of its poses.
 TEST_F(MapBundleTest, AViewThatSeesTooLittleGoesWithItsNeighbour) {
   disturb(0.2, 0.01, 0.03);
   const int dark_view = static_cast<int>(model_.views.size()) - 4, view_before = dark_view - 1;

@@ -16,8 +16,8 @@ namespace {
 
 using Placed = std::map<SubmapKey, PlacedSubmap>;
 
-// A chain of submaps round the room, each drifting in scale, placed one at the end of the other; the last one sees
-// where the first one began.
+// A chain of submaps round the room whose scales drift, each placed at the end of the previous one. The last submap
+// sees the place where the first one begins.
 class MapGraphTest : public ::testing::Test {
  protected:
   static constexpr int kSubmaps = 4, kImages = 120, kOverlap = 6;
@@ -41,14 +41,15 @@ class MapGraphTest : public ::testing::Test {
 
   static int64_t utime_us(int image) { return 1'000'000 + 100'000 * image; }
 
-  // Images that both have as keyframes: one camera, so that only the scale differs.
+  // Adds joints at the images of which both submaps have a keyframe. Their cameras are the same, so only the scales
+  // differ.
   void add_joints(SubmapKey a, SubmapKey b) {
     LinkJoints& joints = links_.emplace_back();
     for (const auto& [id_a, in_a] : made_[a].submap.keyframes)
       for (const auto& [id_b, in_b] : made_[b].submap.keyframes)
         if (in_a.utime_us == in_b.utime_us) joints.push_back(joint({a, id_a}, {b, id_b}, SE3()));
   }
-  // The first keyframe of all as seen from the last three.
+  // Closes the loop: adds joints from the first keyframe of the chain to its last three.
   void close() {
     const SubmapKey last{1, kSubmaps};
     const int newest = made_[last].submap.keyframes.rbegin()->first;
@@ -60,7 +61,7 @@ class MapGraphTest : public ::testing::Test {
     const double unit_b = scale_at(b), scale = unit_b / scale_at(a);
     return {a, b, Sim3(scale, b_from_a_m.rotation, unit_b * b_from_a_m.translation), 0.002, 0.01 * unit_b, 0.01};
   }
-  // Of the submap's unit over the metre, at a keyframe.
+  // Returns the length of a metre in the submap's unit, at a keyframe.
   double scale_at(KeyframeRef ref) const {
     const int image = image_of(ref.submap, ref.id);
     return made_.at(ref.submap).submap_from_world.scale * moved_.at(ref.submap).at(image).scale;
@@ -70,7 +71,8 @@ class MapGraphTest : public ::testing::Test {
   }
   SE3 truth(SubmapKey key, int id) const { return images_[image_of(key, id)].cam_from_world; }
 
-  // Rigidly, by the first image they share: what follows is off by the drift.
+  // Places each submap rigidly by the first image that it shares with the previous one, so that later keyframes are
+  // wrong by the drift.
   void place() {
     Sim3 map_from_submap = made_[{1, 1}].submap_from_world.inverse();
     for (int s = 1; s <= kSubmaps; ++s) {
@@ -172,7 +174,7 @@ TEST_F(MapGraphTest, AdjustedLandmarksFollowTheirKeyframes) {
   const Submap& submap = made_[{1, 3}].submap;
   for (const auto& [id, landmark] : submap.landmarks)
     placement.landmarks[id] = placement.position_in_map(submap, landmark) + Eigen::Vector3d(0, 0.01, 0);
-  placement.landmarks[123456] = Eigen::Vector3d(1, 2, 3);  // is no more
+  placement.landmarks[123456] = Eigen::Vector3d(1, 2, 3);  // the landmark does not exist any more
   ASSERT_TRUE(bend({1, 1}).bent);
   EXPECT_FALSE(placement.landmarks.contains(123456));
   double worst_px = 0;
@@ -184,7 +186,7 @@ TEST_F(MapGraphTest, AdjustedLandmarksFollowTheirKeyframes) {
                                    keyframe.features->undistorted[o.keypoint_index].cast<double>())
                                       .norm());
   }
-  EXPECT_LT(worst_px, 30);  // a centimetre at a metre is 5
+  EXPECT_LT(worst_px, 30);  // an error of 1 cm at a distance of 1 m would be 5 px
 }
 
 TEST_F(MapGraphTest, NothingToBend) {
@@ -201,7 +203,7 @@ TEST_F(MapGraphTest, NothingToBend) {
   EXPECT_FALSE(bend({1, 1}).bent);
 }
 
-// Nothing is bent, rather than everything poisoned.
+// Values that are not finite must not spread to the placements.
 TEST_F(MapGraphTest, NumbersThatAreNoneChangeNothing) {
   made_[{1, 2}].submap.keyframes.at(3).cam_from_submap.translation.setConstant(NAN);
   for (auto& [id, landmark] : made_[{1, 3}].submap.landmarks)

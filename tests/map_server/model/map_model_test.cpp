@@ -15,7 +15,7 @@ namespace {
 
 using Placed = std::map<SubmapKey, PlacedSubmap>;
 
-// Front, back, front: the back submap has images of both.
+// Front, back, front: the back submap shares images with both front submaps.
 class MapModelTest : public ::testing::Test {
  protected:
   MapModelTest() : world_(make_room(1)), images_(film(world_, walk_round(70, 0.7), {})) {
@@ -39,7 +39,7 @@ class MapModelTest : public ::testing::Test {
     return placed;
   }
   int world_point(const LandmarkRef& ref) const { return made_.at(ref.submap).point_of.at(ref.id); }
-  // A landmark of the submap that is seen in more than two keyframes.
+  // Returns a landmark of the submap that more than two keyframes observe; `skip` of them are passed over.
   const Landmark& well_seen(SubmapKey key, int skip = 0) const {
     for (const auto& [id, landmark] : made_.at(key).submap.landmarks)
       if (landmark.observations.size() > 2 && skip-- == 0) return landmark;
@@ -174,7 +174,7 @@ TEST_F(MapModelTest, NothingIsFusedIntoWhatIsFusedItself) {
   EXPECT_GT(fused, 300u);
 }
 
-// In a part of the map: what a landmark of its edge is fused into lies beyond it.
+// A part of the map contains a landmark at its edge that is fused into one outside the part.
 TEST_F(MapModelTest, WhatLiesOutsideStandsForWhatIsFusedIntoIt) {
   Placed submaps = placed();
   const LandmarkRef outside{{1, 9}, 7};
@@ -207,7 +207,7 @@ TEST_F(MapModelTest, FusedLandmarksAreOnePoint) {
 
 TEST_F(MapModelTest, OfTwoKeypointsOfAViewOneIsDropped) {
   Placed submaps = placed();
-  // Two landmarks that some images see both of.
+  // Takes two landmarks that one image observes at different keypoints.
   const Submap& front = made_[front1_].submap;
   const Keyframe& keyframe = front.keyframes.begin()->second;
   std::vector<int> ids;
@@ -223,7 +223,7 @@ TEST_F(MapModelTest, OfTwoKeypointsOfAViewOneIsDropped) {
             1);
 }
 
-// A placement is older than its submap: what it says of things that are gone must not matter.
+// A placement may be older than its submap: its entries for removed elements must have no effect.
 TEST_F(MapModelTest, PlacementsOfWhatIsGoneDoNoHarm) {
   Placed submaps = placed();
   Submap& front = made_[front1_].submap;
@@ -232,7 +232,7 @@ TEST_F(MapModelTest, PlacementsOfWhatIsGoneDoNoHarm) {
   placement.landmarks[removed.id] = {1e6, 1e6, 1e6};
   placement.fused[removed.id] = {back_, 3};
   placement.fused[other.id] = {front1_, removed.id};
-  submaps[back_].placement.fused[5] = {{9, 9}, 1};  // a submap that is not there
+  submaps[back_].placement.fused[5] = {{9, 9}, 1};  // a submap that does not exist
   front.remove_landmark(removed.id);
   const int64_t gone_us = front.keyframes.at(4).utime_us;
   front.remove_keyframe(4, 3);
@@ -255,7 +255,7 @@ TEST_F(MapModelTest, WhatIsSeenOnceOrNeverFollowsItsKeyframe) {
   for (size_t i = 1; i < once.observations.size(); ++i)
     front.remove_observation(once.id, once.observations[i].keyframe_id);
   for (const Observation& o : never.observations) front.remove_observation(never.id, o.keyframe_id);
-  made_.erase(back_);  // which sees them too
+  made_.erase(back_);  // because it observes them too
   made_.erase(front2_);
   const Placed submaps = placed();
   const auto after = split(join(submaps, 1), submaps);
@@ -268,7 +268,7 @@ TEST_F(MapModelTest, WhatIsSeenOnceOrNeverFollowsItsKeyframe) {
   }
 }
 
-// Detectors find the same pixel in two octaves.
+// A detector may find the same pixel in two octaves.
 TEST_F(MapModelTest, TwoKeypointsAtOnePixelStayTwo) {
   const SubmapKey keys[] = {front1_, back_};
   for (const SubmapKey& key : keys)
@@ -284,7 +284,7 @@ TEST_F(MapModelTest, TwoKeypointsAtOnePixelStayTwo) {
     for (const LandmarkRef& ref : point.landmarks) EXPECT_EQ(world_point(ref), world_point(point.landmarks[0]));
 }
 
-// front_tracker moves keypoints to where they are more exactly; the ruminator finds them where the detector did.
+// front_tracker moves keypoints to refine them, while ruminator's stay where the detector found them.
 TEST_F(MapModelTest, KeypointsThatFrontTrackerMovedAreTheSameAndBelieved) {
   const Placed before = placed();
   const size_t points = join(before, 1).points.size();
@@ -310,7 +310,7 @@ TEST_F(MapModelTest, ObserveForgetAndFuseKeepBothDirections) {
   const int view = 5, point = *std::find_if(model.views[view].points.begin(), model.views[view].points.end(),
                                             [](int p) { return p != kNone; });
   const size_t count = model.points[point].observations.size();
-  EXPECT_FALSE(model.observe(point, view, 0));  // has been seen here
+  EXPECT_FALSE(model.observe(point, view, 0));  // this view observes the point already
   model.forget(point, view);
   EXPECT_EQ(model.points[point].observations.size(), count - 1);
   model.forget(point, view);

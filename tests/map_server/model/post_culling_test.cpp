@@ -9,7 +9,7 @@ namespace rumi::testing {
 using namespace rumi::map_server;
 namespace {
 
-// One back submap of five images; each sees the same points, one keypoint each, in octave 2.
+// One back submap of five images. Each sees the same points, each at one keypoint of octave 2.
 class FindRedundantTest : public ::testing::Test {
  protected:
   static constexpr int kImages = 5, kPoints = 10;
@@ -90,7 +90,7 @@ TEST_F(FindRedundantTest, OneKeyframeOfAnImageIsEnough) {
   EXPECT_TRUE(redundant().empty()) << "they do not agree";
   common_.doubled.push_back({.a = {back_, 4}, .b = {front_, 7}, .b_from_a = {}});
   EXPECT_EQ(redundant(), (std::set<int>{4}));
-  // Of two back submaps, not both.
+  // If both submaps are back submaps, only one of the two keyframes goes.
   front.kind = SubmapKind::kBack;
   front.closed = true;
   EXPECT_EQ(redundant(), (std::set<int>{4}));
@@ -121,7 +121,7 @@ TEST(WithoutKeyframes, FramesStayWhereTheMapHasThem) {
       EXPECT_EQ(left.keyframe(o.keyframe_id)->landmark_ids[o.keypoint_index], id);
   }
   EXPECT_LT(left.landmarks.size(), all.landmarks.size());
-  // Whoever has the submap as it was learns of it.
+  // Those who have the previous revision receive the removals.
   Atlas atlas;
   update_atlas(&atlas, all);
   update_atlas(&atlas, left);

@@ -13,10 +13,10 @@
 namespace rumi::map_server {
 namespace {
 
-constexpr int kMiddle = 5;  // keyframe of a path
+constexpr int kMiddle = 5;  // the middle keyframe of a path
 const SubmapKey kA{1, 1}, kB{1, 2};
 
-// Two submaps of one world and the truth.
+// Two submaps of one world, and the true similarity between them.
 struct Pair {
   Submap a, b;
   Sim3 b_from_a;
@@ -48,7 +48,8 @@ Pair same_place(unsigned seed, double scale) {
   return make_pair(&scene, points, points, scale, scene.path(0.5, 0.1, 0.2, -0.1));
 }
 
-// Half of the points look like another one from b: as many wrong matches as right ones, each in every view.
+// Gives half of the points each other's descriptors, so that there are as many wrong matches as right ones, the same in
+// every view.
 std::vector<ScenePoint> with_half_confused(std::vector<ScenePoint> points) {
   for (size_t i = 0; i + 2 < points.size(); i += 4) std::swap(points[i].descriptor, points[i + 2].descriptor);
   return points;
@@ -59,7 +60,7 @@ std::vector<ScenePoint> mirrored(std::vector<ScenePoint> points) {
   return points;
 }
 
-// What is on a poster `width` units wide, four units away.
+// Returns points on a poster, `width` units wide and four units away.
 std::vector<ScenePoint> poster(PlaceScene* scene, int count, double width) {
   std::vector<ScenePoint> points = scene->cloud(count);
   for (ScenePoint& p : points)
@@ -77,7 +78,7 @@ void expect_right(const Pair& pair, const PlaceAlignment& found, const std::stri
   ASSERT_EQ(found.doubt, "") << of;
   EXPECT_NEAR(found.b_from_a.scale / pair.b_from_a.scale, 1, 0.01) << of;
   EXPECT_LT(found.b_from_a.rotation.angularDistance(pair.b_from_a.rotation), 0.3 * M_PI / 180) << of;
-  // Where it matters: at the landmarks, relative to their distance of 2 to 8 units of A.
+  // Compares the positions of landmarks, relative to the unit of a (they are 2 to 8 units away).
   double worst = 0;
   for (const LandmarkPair& p : found.landmarks) {
     const Eigen::Vector3d x = pair.a.landmark(p.a)->position;
@@ -116,7 +117,8 @@ TEST(PlaceAlignment, IsTheSameEveryTimeAndBothWays) {
   EXPECT_LT(round_trip.rotation.angularDistance(Eigen::Quaterniond::Identity()), 0.003);
 }
 
-// Tiles of half a unit with 12 points each, that differ in some bits of every descriptor.
+// Returns a wall of equal tiles, each half a unit wide with 12 points. `different_bits`: by how many bits the
+// descriptors differ from tile to tile, at most.
 std::vector<ScenePoint> tiled_wall(PlaceScene* scene, int first_column, int last_column, int different_bits) {
   const auto tile = scene->cloud(12);
   std::vector<ScenePoint> wall;
@@ -135,7 +137,7 @@ std::vector<ScenePoint> tiled_wall(PlaceScene* scene, int first_column, int last
 }
 
 TEST(PlaceAlignment, AWallThatRepeatsIsRefused) {
-  // A shift by any number of tiles is as good.
+  // A shift by any number of tiles fits as well.
   for (const double shift : {0.0, 0.5, 1.3}) {
     PlaceScene scene(4);
     const auto wall = tiled_wall(&scene, -8, 8, 0);
@@ -184,7 +186,7 @@ TEST(PlaceAlignment, EveryThresholdRefusesWithItsNumbers) {
 }
 
 TEST(PlaceAlignment, TwoThatExplainAsMuchAreRefused) {
-  // All that b sees stands twice in front of a: half of it matches one copy, half the other.
+  // Half of the points that b sees fit one similarity, the other half another.
   PlaceScene scene(5);
   const auto points = scene.cloud(600);
   std::vector<ScenePoint> torn = points;
@@ -202,7 +204,7 @@ TEST(PlaceAlignment, TheMirrorImageIsRefused) {
 }
 
 TEST(PlaceAlignment, ThePosterInTwoRoomsIsRefused) {
-  for (const double width : {0.5, 1.2, 4.0}) {  // the last fills the image
+  for (const double width : {0.5, 1.2, 4.0}) {  // the widest poster fills the image
     PlaceScene scene(7);
     const auto shared = poster(&scene, 60, width);
     const auto room_a = scene.cloud(500), room_b = scene.cloud(500);
@@ -230,7 +232,7 @@ TEST(PlaceAlignment, KeyframesThatHadNoPartInItMustBearItOut) {
   options.witnesses = 0;
   EXPECT_EQ(pair.align(options).doubt, "0 of 0 and 0 of 0 further keyframes of the two places bear it out, 2 wanted");
 
-  // All of b but what the alignment is made of is something else.
+  // All further keyframes of b show something else.
   const PlacePair places = gather_places(pair.a, kMiddle, pair.b, kMiddle, PlaceAlignmentOptions().neighbours, 100);
   PlaceScene scene(10);
   for (const PlaceView& witness : places.b.witnesses) {
@@ -286,7 +288,7 @@ TEST(PlaceAlignment, SaysWhatIsMissing) {
   EXPECT_NE(align_places(Submap(), 1, Submap(), 1).doubt, "");
 }
 
-// The submap of a that went on to see b's part, drifted.
+// Returns a submap that sees a's part first and b's part later, after a drift.
 Submap joined(const Pair& pair) {
   constexpr int kKeyframes = 100, kLandmarks = 100'000;
   Submap s = pair.a;
@@ -314,10 +316,10 @@ TEST(PlaceAlignment, ALoopOfOneSubmap) {
     EXPECT_LT(p.a, 100'000);
     EXPECT_GT(p.b, 100'000);
   }
-  // What is joined already proves nothing.
+  // Places that share landmarks are refused as a loop: they prove nothing new.
   EXPECT_NE(align_places(loop, kMiddle, loop, kMiddle + 1).doubt.find("share landmarks already"), std::string::npos);
   EXPECT_NE(align_places(loop, kMiddle, loop, kMiddle).doubt, "");
-  // A landmark that both see joins them already.
+  // A single landmark that both keyframes observe is enough.
   for (const auto& [id, landmark] : loop.landmarks) {
     const auto sees = [&](int keyframe) {
       const auto& ids = loop.keyframe(keyframe)->landmark_ids;
@@ -330,7 +332,7 @@ TEST(PlaceAlignment, ALoopOfOneSubmap) {
   EXPECT_NE(align_places(loop, kMiddle, loop, kMiddle + 100).doubt.find("share landmarks already"), std::string::npos);
 }
 
-// A landmark that some keyframe sees, and this one does not.
+// Returns the first landmark, from `first_id` on, that this keyframe does not observe.
 int landmark_unseen_by(const Submap& submap, int keyframe, int first_id) {
   for (auto it = submap.landmarks.lower_bound(first_id); it != submap.landmarks.end(); ++it) {
     const auto& seen = it->second.observations;
@@ -343,13 +345,14 @@ int landmark_unseen_by(const Submap& submap, int keyframe, int first_id) {
 TEST(PlaceAlignment, TheTwoPlacesOfALoopHaveNothingInCommon) {
   const Pair pair = same_place(14, 1);
   Submap loop = joined(pair);
-  // Keyframe 9 sees landmarks of both places.
+  // Keyframe 9 observes landmarks of both places.
   Keyframe& bridge = *loop.keyframe(9);
   for (size_t k = 0; k < bridge.landmark_ids.size(); ++k) {
     const int beyond = loop.keyframe(kMiddle + 100)->landmark_ids[k];
     if (bridge.landmark_ids[k] == kNone && beyond != kNone) loop.add_observation(beyond, 9, static_cast<int>(k));
   }
-  // And one landmark is joined already, though neither keyframe itself sees it.
+  // One landmark of a's place is fused with one of b's, although the middle keyframes of the two places do not observe
+  // them.
   const int in_a = landmark_unseen_by(loop, kMiddle, 0), in_b = landmark_unseen_by(loop, kMiddle + 100, 100'000);
   loop.fuse_landmarks(in_a, in_b);
 
@@ -394,7 +397,7 @@ TEST(PlaceAlignment, AHundredPlacesThatAreNotTheSameAreRefused) {
           const auto thing = poster(&scene, 60, scene.uniform(0.3, 4));
           return {room_a + thing, room_b + thing};
         }
-        default: {  // a few of the same things, in another order
+        default: {  // some of the same points at other positions
           auto moved = some;
           for (ScenePoint& p : moved) p.position = scene.cloud(1)[0].position;
           return {room_a + some, room_b + moved};

@@ -8,7 +8,7 @@
 namespace rumi::map_server {
 namespace {
 
-// Three rooms, each with the same nine keyframes; the third submap is the first room again.
+// Three submaps with the same nine keyframe ids: the first two of different rooms, the third of the first room again.
 class PlaceIndexTest : public ::testing::Test {
  protected:
   PlaceIndexTest() {
@@ -42,7 +42,7 @@ TEST_F(PlaceIndexTest, FindsThePlaceInAnotherSubmap) {
 
 TEST_F(PlaceIndexTest, ExcludesItselfAndItsSurroundings) {
   for (const PlaceCandidate& c : query(submaps_[0], 5, 100)) EXPECT_NE(c.place.submap, submaps_[0].key);
-  // Without landmarks in common only the time tells.
+  // Without common landmarks, only keyframes near in time are excluded.
   Submap alone = submaps_[0];
   alone.landmarks.clear();
   for (auto& [id, keyframe] : alone.keyframes) keyframe.landmark_ids.assign(keyframe.landmark_ids.size(), kNone);
@@ -51,7 +51,7 @@ TEST_F(PlaceIndexTest, ExcludesItselfAndItsSurroundings) {
   EXPECT_TRUE(exclude({alone.key, 4, 4'000'000}));
   EXPECT_FALSE(exclude({alone.key, 3, 3'000'000}));
   EXPECT_FALSE(exclude({{1, 2}, 5, 5'000'000}));
-  // Nothing excluded: itself comes first.
+  // If nothing is excluded, the keyframe itself comes first.
   const auto all = index_.query(landmark_descriptors(*submaps_[0].keyframe(5)), 3, 0, nullptr);
   ASSERT_EQ(all.size(), 3u);
   EXPECT_EQ(all[0].place, (Place{submaps_[0].key, 5, 5'000'000}));
@@ -82,13 +82,13 @@ TEST_F(PlaceIndexTest, RemovesAndReplaces) {
   index_.remove(best.submap, best.keyframe);
   EXPECT_FALSE(index_.contains(best.submap, best.keyframe));
   EXPECT_NE(query(submaps_[0], 5, 1)[0].place, best);
-  index_.remove(best.submap, best.keyframe);  // twice does nothing
+  index_.remove(best.submap, best.keyframe);  // removing it twice has no effect
   EXPECT_EQ(index_.size(), 26u);
 
   const Keyframe& keyframe = *submaps_[2].keyframe(best.keyframe);
   index_.add(submaps_[2], keyframe);
   const double score = query(submaps_[0], 5, 1)[0].score;
-  index_.add(submaps_[2], keyframe);  // again: the same, not twice
+  index_.add(submaps_[2], keyframe);  // adding it again does not double it
   EXPECT_EQ(index_.size(), 27u);
   EXPECT_EQ(query(submaps_[0], 5, 1)[0].place, best);
   EXPECT_EQ(query(submaps_[0], 5, 1)[0].score, score);
@@ -99,7 +99,7 @@ TEST_F(PlaceIndexTest, NothingInNothingOut) {
   EXPECT_TRUE(query(submaps_[0], 5, 0).empty());
   EXPECT_TRUE(PlaceIndex().query({Descriptor{}}, 5, 0, nullptr).empty());
   PlaceIndex empty;
-  empty.add(Submap(), Keyframe());  // without features
+  empty.add(Submap(), Keyframe());  // a keyframe without features
   EXPECT_EQ(empty.size(), 1u);
   EXPECT_TRUE(empty.query(landmark_descriptors(*submaps_[0].keyframe(5)), 5, 0, nullptr).empty());
 }

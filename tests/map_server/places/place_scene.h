@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A world of points with descriptors and what submaps know of it: each in its own gauge, with noise in pixels,
-// descriptors and landmarks.
+// A world of points with descriptors, and submaps of it, each in its own gauge and with noise in pixels, descriptors
+// and landmarks.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace rumi::map_server {
 struct ScenePoint {
   Eigen::Vector3d position;
   Descriptor descriptor;
-  int name = kNone;  // to tell who is who across worlds
+  int name = kNone;  // identifies the point in several submaps and worlds
 };
 
 class PlaceScene {
@@ -32,12 +32,12 @@ class PlaceScene {
     for (const Eigen::Vector3d& p : scene_.cloud(count)) points.push_back({p, descriptor(), next_name_++});
     return points;
   }
-  // Any gauge with this scale.
+  // Returns a random gauge with this scale.
   Sim3 gauge(double scale) {
     return {scale, so3_exp({uniform(-2, 2), uniform(-2, 2), uniform(-2, 2)}),
             scale * Eigen::Vector3d(uniform(-9, 9), uniform(-9, 9), uniform(-9, 9))};
   }
-  // Nine cameras along a short path that look at the cloud.
+  // Returns nine cameras along a short path, which look at the cloud.
   std::vector<SE3> path(double x, double y, double z, double yaw_rad = 0) {
     std::vector<SE3> cameras;
     for (int i = -4; i <= 4; ++i)
@@ -45,8 +45,8 @@ class PlaceScene {
     return cameras;
   }
 
-  // Keyframes 1, 2, ... one second apart. Landmarks are the points that two of them see, with 0.5 % of noise.
-  // names, if given, receives the point of each landmark.
+  // Makes a submap with keyframes 1, 2, ... a second apart. Its landmarks are the points that at least two keyframes
+  // see, with a noise of 0.5 %. `names`, if given, receives the name of each landmark's point.
   Submap submap(SubmapKey key, const std::vector<ScenePoint>& points, const std::vector<SE3>& cams_from_world,
                 const Sim3& submap_from_world, std::map<int, int>* names = nullptr) {
     Submap s;
@@ -83,7 +83,7 @@ class PlaceScene {
   }
 
  private:
-  // Every point is of octave 3 at distance 4, and not seen every time.
+  // Adds a keypoint if the point is in view, but leaves out one in five at random. A point 4 units away is of octave 3.
   bool see(const ScenePoint& point, const SE3& cam_from_world, const Camera& camera, Features* features) {
     const Eigen::Vector3d in_cam = cam_from_world * point.position;
     const auto pixel = camera.project(in_cam);

@@ -14,7 +14,7 @@ namespace {
 const SubmapKey kFront{1, 1}, kBack{1, -1}, kLater{1, 2};
 constexpr int64_t kLaterUs = 100'000'000;
 
-// Two submaps of the same images, and a third one that comes by later.
+// Two submaps of the same images, and a third one that sees the place later.
 class PlaceSearchTest : public ::testing::Test {
  protected:
   PlaceSearchTest() : scene_(3), points_(scene_.cloud(700)) {
@@ -60,7 +60,7 @@ TEST_F(PlaceSearchTest, ImagesThatHaveTooLittleInCommonAreNotAligned) {
   PlaceSearch({.alignment = {}, .min_alike = 100'000}).search(both, apart, &never);
   EXPECT_TRUE(never.found.empty());
   EXPECT_TRUE(never.refused.empty());
-  // It spares time, and costs no place.
+  // The limit saves time without losing a place.
   PlaceSearch({.alignment = {}, .min_alike = 0}).search(both, apart, &always);
   PlaceSearch({}).search(both, apart, &usual);
   EXPECT_EQ(links_of(usual), links_of(always));
@@ -106,7 +106,8 @@ TEST_F(PlaceSearchTest, WhatHangsOnNothingIsSearchedForAgainWhenMoreIsKnownOfIt)
   EXPECT_FALSE(search.search_again({}, grown, apart, &places));
 }
 
-// Whatever the one that broke off had known already.
+// A search that was broken off can be repeated from the earlier links: what the PlaceSearch itself has learned
+// meanwhile does no harm.
 TEST_F(PlaceSearchTest, ASearchThatBreaksOffIsMadeAgainFromWhatWasKnownBefore) {
   const Submaps both{{kFront, &front_}, {kLater, &later_}};
   PlaceSearch search({});
@@ -120,7 +121,7 @@ TEST_F(PlaceSearchTest, ASearchThatBreaksOffIsMadeAgainFromWhatWasKnownBefore) {
   EXPECT_THROW(search.search(both, breaks_off, &lost), std::runtime_error);
   ASSERT_GT(lost.known.size(), before.known.size());
   search.search(both, apart, &places);
-  PlaceSearch({}).search(both, apart, &expected);  // another one, that knows nothing but the links
+  PlaceSearch({}).search(both, apart, &expected);  // another PlaceSearch, which knows only the links
   ASSERT_GE(links_of(places)[kFront], 2);
   ASSERT_EQ(places.found.size(), expected.found.size());
   for (size_t i = 0; i < places.found.size(); ++i) EXPECT_EQ(places.found[i].link, expected.found[i].link);

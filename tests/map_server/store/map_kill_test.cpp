@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// map_server is killed at every stage of what it writes: updates, the place of what it welded, what post-culling takes
-// out, pages that are given back. Whoever starts again finds the map of before or after, whole, and goes on.
+// Kills a process at every stage of storing a map: updates, placements after a weld, removals by post-culling, free
+// pages returned to the file system. The next process must find either the map before or the map after, complete, and
+// be able to go on.
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 #include <sys/wait.h>
@@ -15,6 +16,7 @@
 
 #include "map_server/store/map_store.h"
 #include "tests/map_server/merging/map_maker.h"
+#include "tests/map_server/place_map.h"
 #include "tests/map_server/synthetic_chain.h"
 #include "tests/map_server/test_atlas.h"
 
@@ -22,7 +24,7 @@ namespace rumi::testing {
 using namespace rumi::map_server;
 namespace {
 
-// The calls by which SQLite changes files, counted; the one with this number is done by half and is the last.
+// Counts down the calls by which SQLite changes files. The last call is done only by half; then the process dies.
 int calls_left = 0;
 bool last_call() { return --calls_left == 0; }
 void die() {
@@ -55,14 +57,14 @@ void die_at_call(int number) {
   const auto replace = [vfs](const char* name, auto* call) {
     return vfs->xSetSystemCall(vfs, name, reinterpret_cast<sqlite3_syscall_ptr>(call)) == SQLITE_OK;
   };
-  // Which of the two names is used is decided when SQLite is compiled.
+  // It depends on how SQLite was compiled which of the two names it uses.
   const bool ok = (replace("pwrite64", dying_pwrite) || replace("pwrite", dying_pwrite)) &&
                   replace("write", dying_write) && replace("ftruncate", dying_ftruncate) &&
                   replace("unlink", dying_unlink);
   if (!ok) _exit(3);
 }
 
-// The atlas after each thing that map_server stores, as it happens to a map that grows, is welded, adjusted and culled.
+// Returns the atlas after each change that map_server stores, while a map grows, is welded, adjusted and culled.
 std::vector<Atlas> history() {
   const Chain chain;
   std::vector<Atlas> stages;
@@ -75,9 +77,9 @@ std::vector<Atlas> history() {
       if (owner.in_map && owner.placement.revision > 0) input.placed[key] = owner.placement;
     }
     BuiltMap built = maker.build(input);
-    atlas.set_links(built.graph.links());
+    EXPECT_TRUE(atlas.set_links(built.graph.links()));
     for (const auto& [key, left] : built.culled) put(*left, &atlas);
-    atlas.place_map(std::move(built.placements), built.unmoved);
+    testing::place_map(&atlas, std::move(built.placements), built.unmoved);
     stages.push_back(atlas);
     return built.culled.size();
   };
@@ -96,16 +98,17 @@ std::vector<Atlas> history() {
   return stages;
 }
 
-// Returns how many stages it says were stored, and whether it was killed.
+// Stores the stages in a child that dies at this call. Returns how many stages the child reported as stored, and
+// whether it was killed.
 std::pair<size_t, bool> store_until_killed(const std::vector<Atlas>& stages, const std::string& file, int call) {
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error("no pipe");
   const pid_t child = fork();
   if (child == 0) {
-    MapStore store(file);
+    MapStore store = MapStore::open(file).value();
     die_at_call(call);
     for (const Atlas& atlas : stages) {
-      if (!store.save(atlas, {}).empty()) _exit(1);
+      if (!store.save(atlas, {}).error_text().empty()) _exit(1);
       if (write(ends[1], "s", 1) != 1) _exit(2);
     }
     _exit(0);
@@ -125,7 +128,7 @@ TEST(MapKill, AtEveryStageOfWritingTheMapIsWhole) {
   std::set<size_t> killed_in;
   int kills = 0;
   size_t stored = 0;
-  // Closer together where little is written: every stage is met.
+  // The calls tested are denser at the beginning, where stages need few calls, so that every stage is hit.
   for (int call = 1; stored < stages.size(); call += 1 + call / 20) {
     const TemporaryFolder folder;
     const std::string file = folder / "map.db";
@@ -137,9 +140,9 @@ TEST(MapKill, AtEveryStageOfWritingTheMapIsWhole) {
     }
     ++kills;
     killed_in.insert(stored);
-    MapStore store(file);
-    const Atlas found = store.load();
-    // What was acknowledged, or what was being stored.
+    MapStore store = MapStore::open(file).value();
+    const Atlas found = store.load().value();
+    // Finds the last stage reported, or the one that was being stored.
     size_t now = stored;
     if (now < stages.size() && found.revision() == stages[now].revision() &&
         found.submaps().size() == stages[now].submaps().size())
@@ -147,9 +150,9 @@ TEST(MapKill, AtEveryStageOfWritingTheMapIsWhole) {
     SCOPED_TRACE("killed at call " + std::to_string(call) + ", " + std::to_string(now) + " stages stored");
     expect_same(now == 0 ? Atlas() : stages[now - 1], found);
     if (::testing::Test::HasFailure()) return;
-    // It goes on, and nothing of the death is left.
-    for (size_t i = now; i < stages.size(); ++i) ASSERT_EQ(store.save(stages[i], {}), "");
-    expect_same(stages.back(), store.load());
+    // The store goes on, and nothing remains of the crash.
+    for (size_t i = now; i < stages.size(); ++i) ASSERT_EQ(store.save(stages[i], {}).error_text(), "");
+    expect_same(stages.back(), store.load().value());
   }
   std::printf("killed %d times, in %zu of %zu stages\n", kills, killed_in.size(), stages.size());
   EXPECT_EQ(killed_in.size(), stages.size());

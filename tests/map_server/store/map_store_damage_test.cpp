@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files that are no map or a damaged one, disks that are full, a process that is killed: nothing accepted is lost.
+// Files that are no map or a damaged one, full disks, a killed process: nothing accepted is lost.
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/mount.h>
@@ -8,6 +8,7 @@
 
 #include <filesystem>
 
+#include "tests/map_server/place_map.h"
 #include "tests/map_server/store/stored_atlas.h"
 #include "tests/support/ordinary_user.h"
 
@@ -39,7 +40,7 @@ TEST(MapStore, BadFilesAreNamedAndLeftAlone) {
   Database(folder / "other.db").execute("CREATE TABLE t (x)");
   EXPECT_THAT(open_error(folder / "other.db"), AllOf(HasSubstr("other.db"), HasSubstr("no map of ours")));
 
-  { MapStore store(folder / "newer.db"); }
+  { MapStore store = MapStore::open(folder / "newer.db").value(); }
   Database(folder / "newer.db").execute("PRAGMA user_version = 99");
   EXPECT_THAT(open_error(folder / "newer.db"),
               AllOf(HasSubstr("newer.db"), HasSubstr("99"), HasSubstr("newer program")));
@@ -52,8 +53,8 @@ TEST(MapStore, DamageIsFoundAtTheStart) {
   const TemporaryFolder folder;
   const Atlas atlas = full_atlas();
   {
-    MapStore store(folder / "map.db");
-    ASSERT_EQ(store.save(atlas, {}), "");
+    MapStore store = MapStore::open(folder / "map.db").value();
+    ASSERT_EQ(store.save(atlas, {}).error_text(), "");
   }
   const std::string good = testing::read_file(folder / "map.db");
   testing::write_file(folder / "map.db", good.substr(0, good.size() / 2));
@@ -70,7 +71,7 @@ constexpr const char* kKeyframeIdsOutOfBounds = R"(
     UPDATE features SET keyframe = keyframe + 20000000;
     UPDATE frame_poses SET reference_keyframe = reference_keyframe + 20000000)";
 
-// NaN in place of the first numbers.
+// These put NaN in place of the first numbers, and zeros in place of a rotation.
 constexpr const char* kLandmarkNowhere =
     "UPDATE landmarks SET position = CAST(x'000000000000F87F' || substr(position, 9) AS BLOB)";
 constexpr const char* kKeypointNowhere =
@@ -78,7 +79,7 @@ constexpr const char* kKeypointNowhere =
 constexpr const char* kNoRotation =
     "UPDATE keyframes SET cam_from_submap = CAST(zeroblob(32) || substr(cam_from_submap, 33) AS BLOB)";
 
-// Pages are sound, but what they say would crash whoever follows it.
+// The pages are intact, but their content would crash the code that uses it.
 TEST(MapStore, ContradictoryContentIsFoundAtTheStart) {
   for (const char* sql : {"UPDATE observations SET pairs = x'FFFFFF7F00000000'",
                           "UPDATE observations SET pairs = x'00'",
@@ -115,8 +116,8 @@ TEST(MapStore, ContradictoryContentIsFoundAtTheStart) {
                           "UPDATE masks SET png = x'89504E47'"}) {
     const TemporaryFolder folder;
     {
-      MapStore store(folder / "map.db");
-      ASSERT_EQ(store.save(merged_atlas(), {}), "");
+      MapStore store = MapStore::open(folder / "map.db").value();
+      ASSERT_EQ(store.save(merged_atlas(), {}).error_text(), "");
     }
     Database(folder / "map.db").execute(sql);
     EXPECT_THAT(open_error(folder / "map.db"), AllOf(HasSubstr("map.db"), HasSubstr("damaged"))) << sql;
@@ -126,23 +127,23 @@ TEST(MapStore, ContradictoryContentIsFoundAtTheStart) {
 TEST(MapStore, FullDatabaseRefusesAndCatchesUpLater) {
   const TemporaryFolder folder;
   Atlas atlas;
-  MapStore store(folder / "map.db");
+  MapStore store = MapStore::open(folder / "map.db").value();
   SubmapMaker maker({7, 1}, 1);
   maker.step();
   update_atlas(&atlas, maker.submap());
-  ASSERT_EQ(store.save(atlas, {}), "");
+  ASSERT_EQ(store.save(atlas, {}).error_text(), "");
   store.limit_bytes(1);
   for (int i = 0; i < 20; ++i) maker.step();
   update_atlas(&atlas, maker.submap());
-  EXPECT_THAT(store.save(atlas, {}), AllOf(HasSubstr("map.db"), HasSubstr("no space left")));
+  EXPECT_THAT(store.save(atlas, {}).error_text(), AllOf(HasSubstr("map.db"), HasSubstr("no space left")));
   EXPECT_EQ(store.stored_revision({7, 1}), 1);
   store.limit_bytes(int64_t{1} << 40);
-  EXPECT_EQ(store.save(atlas, {}), "");
+  EXPECT_EQ(store.save(atlas, {}).error_text(), "");
   EXPECT_EQ(store.stored_revision({7, 1}), 21);
-  expect_same(atlas, store.load());
+  expect_same(atlas, store.load().value());
 }
 
-// The same on a disk that is really full: everything that was accepted is there afterwards.
+// On a disk that is really full, everything accepted is there afterwards.
 TEST(MapStore, FullDiskLosesNothingThatWasAccepted) {
   const TemporaryFolder folder;
   const int result = testing::run_on_small_disk(folder.path().string(), 400'000, [&] {
@@ -150,11 +151,11 @@ TEST(MapStore, FullDiskLosesNothingThatWasAccepted) {
     SubmapMaker maker({7, 1}, 1);
     std::string problem;
     {
-      MapStore store(folder / "map.db");
+      MapStore store = MapStore::open(folder / "map.db").value();
       for (int i = 0; i < 500 && problem.empty(); ++i) {
         maker.step();
         update_atlas(&atlas, maker.submap());
-        problem = store.save(atlas, {});
+        problem = store.save(atlas, {}).error_text();
         if (problem.empty()) update_atlas(&accepted, maker.submap());
       }
     }
@@ -163,8 +164,8 @@ TEST(MapStore, FullDiskLosesNothingThatWasAccepted) {
       std::fprintf(stderr, "%s\n", problem.c_str());
       return 2;
     }
-    MapStore store(folder / "map.db");
-    expect_same(accepted, store.load());
+    MapStore store = MapStore::open(folder / "map.db").value();
+    expect_same(accepted, store.load().value());
     return ::testing::Test::HasFailure() ? 3 : 0;
   });
   if (result < 0) GTEST_SKIP() << "no user namespaces here: cannot mount a small disk";
@@ -184,7 +185,7 @@ TEST(MapStore, AFolderOfSomebodyElseIsNamedWithItsOwner) {
 TEST(MapStore, ReadOnlyFolderIsNamed) {
   const TemporaryFolder folder;
   const int result = testing::run_on_small_disk(folder.path().string(), 1'000'000, [&] {
-    { MapStore store(folder / "map.db"); }
+    { MapStore store = MapStore::open(folder / "map.db").value(); }
     if (mount("tmpfs", folder.path().c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, nullptr) != 0) return 1;
     const std::string error = open_error(folder / "map.db");
     std::fprintf(stderr, "%s\n", error.c_str());
@@ -194,7 +195,7 @@ TEST(MapStore, ReadOnlyFolderIsNamed) {
   EXPECT_EQ(result, 0);
 }
 
-// The next update, and with every second one the map is placed anew and linked.
+// Applies the next update. Every second time, places the map anew and replaces its link.
 void grow_and_place(SubmapMaker* maker, Atlas* atlas) {
   maker->step();
   update_atlas(atlas, maker->submap());
@@ -202,19 +203,19 @@ void grow_and_place(SubmapMaker* maker, Atlas* atlas) {
   if (submap.revision % 2 != 0) return;
   Placement placement = make_placement(submap, static_cast<uint32_t>(submap.revision));
   placement.fused[submap.landmarks.begin()->first] = {submap.key, submap.landmarks.rbegin()->first};
-  atlas->place_map({{submap.key, placement}});
-  atlas->set_links(
-      {{.a = submap.key, .b = submap.key, .keyframes = static_cast<int>(submap.revision), .doubt = "self"}});
+  testing::place_map(atlas, {{submap.key, placement}});
+  EXPECT_TRUE(atlas->set_links(
+      {{.a = submap.key, .b = submap.key, .keyframes = static_cast<int>(submap.revision), .doubt = "self"}}));
 }
 
-// A child saves one update after the other and says so through a pipe; it is killed in the middle.
+// Run in a child: saves one update after another and reports each through a pipe, until it is killed.
 void save_until_killed(const std::string& file, int pipe_end) {
-  MapStore store(file);
-  Atlas atlas = store.load();
+  MapStore store = MapStore::open(file).value();
+  Atlas atlas = store.load().value();
   SubmapMaker maker({7, 1}, 1);
   for (int64_t revision = 1;; ++revision) {
     grow_and_place(&maker, &atlas);
-    if (!store.save(atlas, {}).empty()) _exit(1);
+    if (!store.save(atlas, {}).error_text().empty()) _exit(1);
     if (write(pipe_end, &revision, sizeof(revision)) != sizeof(revision)) _exit(2);
   }
 }
@@ -231,7 +232,7 @@ TEST(MapStore, KillLosesNothingThatWasAccepted) {
     }
     close(ends[1]);
     int64_t accepted = 0, revision = 0;
-    // Some saves in, then at an arbitrary moment of the next ones.
+    // Waits for some saves, and kills the child at an arbitrary moment of a later one.
     while (accepted < 3 + 4 * round && read(ends[0], &revision, sizeof(revision)) == sizeof(revision))
       accepted = revision;
     usleep(1500 * round);
@@ -242,12 +243,12 @@ TEST(MapStore, KillLosesNothingThatWasAccepted) {
     while (read(ends[0], &revision, sizeof(revision)) == sizeof(revision)) accepted = revision;
     close(ends[0]);
 
-    MapStore store(folder / "map.db");
-    const Atlas loaded = store.load();
+    MapStore store = MapStore::open(folder / "map.db").value();
+    const Atlas loaded = store.load().value();
     const int64_t stored = store.stored_revision({7, 1});
     EXPECT_GE(stored, accepted);
-    EXPECT_LE(stored, accepted + 1);  // stored, but killed before it could say so
-    // Replay what the child did up to there.
+    EXPECT_LE(stored, accepted + 1);  // one more if the child was killed between saving and reporting
+    // Repeats the child's updates up to the stored one.
     Atlas expected;
     SubmapMaker maker({7, 1}, 1);
     for (int64_t i = 0; i < stored; ++i) grow_and_place(&maker, &expected);

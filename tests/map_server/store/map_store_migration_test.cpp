@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files of older schema versions are brought to ours, whole or not at all.
+// Files of older schema versions are migrated completely or not at all.
 #include <gmock/gmock.h>
 
 #include "map_server/store/blob.h"
+#include "map_server/store/map_schema.h"
 #include "map_server/store/map_store.h"
-#include "map_server/store/map_store_schema.h"
+#include "tests/map_server/place_map.h"
 #include "tests/map_server/store/stored_atlas.h"
 
 namespace rumi::map_server {
@@ -16,7 +17,7 @@ using testing::make_submap;
 using testing::TemporaryFolder;
 using testing::update_atlas;
 
-// As version 1 had it.
+// The schema of version 1.
 constexpr const char* kSchema1 = R"sql(
 CREATE TABLE atlas (                      -- one row
   map_revision INTEGER NOT NULL           -- rises whenever anything of the served map changed
@@ -105,15 +106,15 @@ CREATE TABLE frames (                     -- what front_tracker said when it saw
 );
 )sql";
 
-// All that version 1 could hold of the atlas, written by its schema. What was not changed since is copied from a file
-// of this version.
+// Writes those parts of the atlas that version 1 could store, with its schema. Tables that have not changed since are
+// copied from a file of the current version.
 void write_version_1(const Atlas& atlas, const std::string& file, const Sim3& map_from_submap) {
   const std::string present = file + ".present";
   {
-    MapStore store(present);
+    MapStore store = MapStore::open(present).value();
     std::vector<ImageId> images;
     for (const auto& [image, record] : atlas.frames()) images.push_back(image);
-    ASSERT_EQ(store.save(atlas, images), "");
+    ASSERT_EQ(store.save(atlas, images).error_text(), "");
   }
   Database database(file);
   database.execute(kSchema1);
@@ -134,17 +135,17 @@ void write_version_1(const Atlas& atlas, const std::string& file, const Sim3& ma
   database.execute("PRAGMA application_id = 1381322057; PRAGMA user_version = 1");
 }
 
-// Versions before 4 had no deviations, and those before 5 one pyramid.
+// Versions before 4 had no standard deviations, and versions before 5 had only one pyramid.
 Submap without_sigmas(Submap submap) {
   submap.pyramid = {};
   for (auto& [utime_us, frame] : submap.frames) frame.sigmas = {};
   return submap;
 }
 
-// Versions before 7 knew no masks.
+// Versions before 7 had no masks.
 void drop_masks(const std::string& file) { Database(file).execute("DROP TABLE masks"); }
 
-// Versions before 6 knew frames by their times alone.
+// Versions before 6 identified frames by their times alone.
 void drop_streams(const std::string& file) {
   drop_masks(file);
   Database(file).execute(R"sql(
@@ -168,7 +169,7 @@ void drop_sigmas(const std::string& file) {
     Database(file).execute("ALTER TABLE frame_poses DROP COLUMN " + column);
 }
 
-// Versions before 5 had one placement of a submap.
+// Versions before 5 had one placement per submap.
 void drop_placement_revisions(const std::string& file) {
   Database(file).execute(R"sql(
     CREATE TABLE k (submap INTEGER NOT NULL, utime INTEGER NOT NULL, map_from_submap BLOB NOT NULL,
@@ -186,7 +187,7 @@ void drop_placement_revisions(const std::string& file) {
     ALTER TABLE f RENAME TO fused_landmarks;)sql");
 }
 
-// In files of older versions each session has a stream of its own.
+// A migrated file has a stream of its own for each session.
 Submap old_submap(int32_t id, int steps, int64_t first_utime_us = 1'000'000) {
   Submap submap = make_submap({7, id}, static_cast<uint32_t>(id), steps, first_utime_us);
   submap.stream = 7;
@@ -218,9 +219,9 @@ std::string columns(const std::string& file) {
   return all;
 }
 
-// map.db is made as a fresh one is.
+// Expects map.db to have the same tables as a new file.
 void expect_present_version(const TemporaryFolder& folder) {
-  { MapStore store(folder / "fresh.db"); }
+  { MapStore store = MapStore::open(folder / "fresh.db").value(); }
   EXPECT_EQ(columns(folder / "map.db"), columns(folder / "fresh.db"));
   EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), kMapSchemaVersion);
 }
@@ -230,15 +231,15 @@ TEST(MapStoreMigration, AFileOfVersion1IsTakenOver) {
   Atlas atlas = old_atlas();
   write_version_1(atlas, folder / "map.db", Sim3());
   {
-    MapStore store(folder / "map.db");
-    expect_same(atlas, store.load());
-    update_atlas(&atlas, old_submap(1, 14));  // it goes on
-    atlas.place_map({{{7, 2}, testing::make_placement(atlas.find({7, 2})->submap, 1)}});
-    ASSERT_EQ(store.save(atlas, {}), "");
+    MapStore store = MapStore::open(folder / "map.db").value();
+    expect_same(atlas, store.load().value());
+    update_atlas(&atlas, old_submap(1, 14));  // the migrated map can grow
+    testing::place_map(&atlas, {{{7, 2}, testing::make_placement(atlas.find({7, 2})->submap, 1)}});
+    ASSERT_EQ(store.save(atlas, {}).error_text(), "");
   }
   {
-    MapStore store(folder / "map.db");
-    expect_same(atlas, store.load());
+    MapStore store = MapStore::open(folder / "map.db").value();
+    expect_same(atlas, store.load().value());
   }
   expect_present_version(folder);
 }
@@ -247,8 +248,8 @@ TEST(MapStoreMigration, AFileOfVersion2IsTakenOver) {
   const TemporaryFolder folder;
   const Atlas atlas = old_atlas();
   {
-    MapStore store(folder / "map.db");
-    ASSERT_EQ(store.save(atlas, {{500'000, 7}}), "");
+    MapStore store = MapStore::open(folder / "map.db").value();
+    ASSERT_EQ(store.save(atlas, {{500'000, 7}}).error_text(), "");
   }
   drop_sigmas(folder / "map.db");
   drop_placement_revisions(folder / "map.db");
@@ -258,30 +259,30 @@ TEST(MapStoreMigration, AFileOfVersion2IsTakenOver) {
           "NULL, revision INTEGER NOT NULL, PRIMARY KEY (submap, what, id)) WITHOUT ROWID;"
           "INSERT INTO removed VALUES (1, 1, 5, 3); PRAGMA user_version = 2");
   {
-    MapStore store(folder / "map.db");
-    expect_same(atlas, store.load());
+    MapStore store = MapStore::open(folder / "map.db").value();
+    expect_same(atlas, store.load().value());
   }
   expect_present_version(folder);
 }
 
-// Its poses stay, how well they are known is not known; what comes now is.
+// The poses are kept, with unknown standard deviations; those of new poses are known.
 TEST(MapStoreMigration, AFileOfVersion3IsTakenOver) {
   const TemporaryFolder folder;
   Atlas atlas = old_atlas();
   {
-    MapStore store(folder / "map.db");
-    ASSERT_EQ(store.save(atlas, {{500'000, 7}}), "");
+    MapStore store = MapStore::open(folder / "map.db").value();
+    ASSERT_EQ(store.save(atlas, {{500'000, 7}}).error_text(), "");
   }
   drop_sigmas(folder / "map.db");
   drop_placement_revisions(folder / "map.db");
   Database(folder / "map.db").execute("PRAGMA user_version = 3");
   {
-    MapStore store(folder / "map.db");
-    expect_same(atlas, store.load());
-    update_atlas(&atlas, old_submap(1, 14));  // it goes on
-    ASSERT_EQ(store.save(atlas, {}), "");
+    MapStore store = MapStore::open(folder / "map.db").value();
+    expect_same(atlas, store.load().value());
+    update_atlas(&atlas, old_submap(1, 14));  // the migrated map can grow
+    ASSERT_EQ(store.save(atlas, {}).error_text(), "");
   }
-  const Atlas loaded = MapStore(folder / "map.db").load();
+  const Atlas loaded = MapStore::open(folder / "map.db").value().load().value();
   expect_same(atlas, loaded);
   EXPECT_TRUE(loaded.find({7, 1})->submap.frames.rbegin()->second.sigmas.are_known());
   EXPECT_FALSE(loaded.find({7, 2})->submap.frames.rbegin()->second.sigmas.are_known());
@@ -294,20 +295,20 @@ TEST(MapStoreMigration, AFileOfVersion4IsTakenOver) {
   std::map<SubmapKey, Placement> placements;
   for (const auto& [key, owner] : atlas.submaps()) placements[key] = testing::make_placement(owner.submap, 1);
   placements[{7, 1}].fused[3] = {{7, 2}, 5};
-  atlas.place_map(placements);
+  testing::place_map(&atlas, placements);
   {
-    MapStore store(folder / "map.db");
-    ASSERT_EQ(store.save(atlas, {{500'000, 7}}), "");
+    MapStore store = MapStore::open(folder / "map.db").value();
+    ASSERT_EQ(store.save(atlas, {{500'000, 7}}).error_text(), "");
   }
   drop_placement_revisions(folder / "map.db");
   drop_pyramids(folder / "map.db");
   Database(folder / "map.db").execute("PRAGMA user_version = 4");
   {
-    MapStore store(folder / "map.db");
-    expect_same(atlas, store.load());
-    atlas.place_map({{{7, 2}, testing::make_placement(atlas.find({7, 2})->submap, 2)}});  // it goes on
-    ASSERT_EQ(store.save(atlas, {}), "");
-    expect_same(atlas, store.load());
+    MapStore store = MapStore::open(folder / "map.db").value();
+    expect_same(atlas, store.load().value());
+    testing::place_map(&atlas, {{{7, 2}, testing::make_placement(atlas.find({7, 2})->submap, 2)}});  // a change
+    ASSERT_EQ(store.save(atlas, {}).error_text(), "");
+    expect_same(atlas, store.load().value());
   }
   expect_present_version(folder);
 }
@@ -316,21 +317,21 @@ TEST(MapStoreMigration, AFileOfVersion5IsTakenOver) {
   const TemporaryFolder folder;
   Atlas atlas = old_atlas();
   {
-    MapStore store(folder / "map.db");
-    ASSERT_EQ(store.save(atlas, {{500'000, 7}}), "");
+    MapStore store = MapStore::open(folder / "map.db").value();
+    ASSERT_EQ(store.save(atlas, {{500'000, 7}}).error_text(), "");
   }
   drop_streams(folder / "map.db");
   Database(folder / "map.db").execute("PRAGMA user_version = 5");
   {
-    MapStore store(folder / "map.db");
-    expect_same(atlas, store.load());
-    // A recording with the same times comes beside it.
+    MapStore store = MapStore::open(folder / "map.db").value();
+    expect_same(atlas, store.load().value());
+    // A recording with the same times is added to it.
     Submap other = make_submap({8, 1}, 3, 4);
     other.stream = 123;
     update_atlas(&atlas, other);
     atlas.record_frame({500'000, 123}, {.session = 8, .state = TrackingState::kLost});
-    ASSERT_EQ(store.save(atlas, {{500'000, 123}}), "");
-    expect_same(atlas, store.load());
+    ASSERT_EQ(store.save(atlas, {{500'000, 123}}).error_text(), "");
+    expect_same(atlas, store.load().value());
   }
   expect_present_version(folder);
 }
@@ -339,21 +340,21 @@ TEST(MapStoreMigration, AFileOfVersion6IsTakenOver) {
   const TemporaryFolder folder;
   Atlas atlas = testing::merged_atlas();
   {
-    MapStore store(folder / "map.db");
-    ASSERT_EQ(store.save(atlas, testing::all_frames(atlas)), "");
+    MapStore store = MapStore::open(folder / "map.db").value();
+    ASSERT_EQ(store.save(atlas, testing::all_frames(atlas)).error_text(), "");
   }
   drop_masks(folder / "map.db");
   Database(folder / "map.db").execute("PRAGMA user_version = 6");
-  EXPECT_EQ(MapStore::copy_in_memory(folder / "map.db").load().frames(), atlas.frames()) << "read, and left as it is";
+  EXPECT_EQ(load_atlas(folder / "map.db").value().frames(), atlas.frames()) << "read, and left as it is";
   EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), 6);
   {
-    MapStore store(folder / "map.db");
-    Atlas loaded = store.load();
+    MapStore store = MapStore::open(folder / "map.db").value();
+    Atlas loaded = store.load().value();
     EXPECT_TRUE(loaded.masks().empty());
-    loaded.record_mask(9, atlas.masks().at(9));  // it goes on
-    ASSERT_EQ(store.save(loaded, {}), "");
+    loaded.record_mask(9, atlas.masks().at(9));  // the migrated map can take masks
+    ASSERT_EQ(store.save(loaded, {}).error_text(), "");
   }
-  expect_same(atlas, MapStore(folder / "map.db").load());
+  expect_same(atlas, MapStore::open(folder / "map.db").value().load().value());
   expect_present_version(folder);
 }
 
@@ -362,11 +363,11 @@ TEST(MapStoreMigration, ADeviationThatIsNoneIsNotKnown) {
   Atlas atlas;
   update_atlas(&atlas, make_submap({7, 1}, 1, 2));
   {
-    MapStore store(folder / "map.db");
-    ASSERT_EQ(store.save(atlas, {}), "");
+    MapStore store = MapStore::open(folder / "map.db").value();
+    ASSERT_EQ(store.save(atlas, {}).error_text(), "");
   }
   Database(folder / "map.db").execute("UPDATE frame_poses SET position_sigma = 1e999, log_scale_sigma = -3");
-  const Atlas loaded = MapStore(folder / "map.db").load();
+  const Atlas loaded = MapStore::open(folder / "map.db").value().load().value();
   for (const auto& [utime_us, frame] : loaded.find({7, 1})->submap.frames) EXPECT_EQ(frame.sigmas, PoseSigmas());
 }
 
@@ -375,26 +376,21 @@ TEST(MapStoreMigration, ASimilarityOfVersion1BecomesAPlacement) {
   const Sim3 map_from_submap(2.5, so3_exp({0.1, -0.7, 0.3}), Eigen::Vector3d(4, 5, 6));
   const Atlas atlas = old_atlas();
   write_version_1(atlas, folder / "map.db", map_from_submap);
-  MapStore store(folder / "map.db");
-  const Atlas loaded = store.load();
+  MapStore store = MapStore::open(folder / "map.db").value();
+  const Atlas loaded = store.load().value();
   EXPECT_TRUE(loaded.find({7, 1})->in_map);
   Placement expected;
   expected.map_from_submap[loaded.find({7, 1})->submap.keyframes.begin()->second.utime_us] = map_from_submap;
   expected.revision = atlas.revision();
   expect_same(expected, loaded.find({7, 1})->placement);
-  expect_same(Placement(), loaded.find({7, 2})->placement);  // not in the map
+  expect_same(Placement(), loaded.find({7, 2})->placement);  // the submap is not in the map
 }
 
 TEST(MapStoreMigration, WhatCannotBeBroughtOverIsLeftAsItIs) {
   const TemporaryFolder folder;
   write_version_1(old_atlas(), folder / "map.db", Sim3());
-  Database(folder / "map.db").execute("CREATE TABLE links (x)");  // in the way
-  try {
-    MapStore store(folder / "map.db");
-    FAIL() << "opened";
-  } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("map.db"));
-  }
+  Database(folder / "map.db").execute("CREATE TABLE links (x)");  // prevents the migration
+  EXPECT_THAT(MapStore::open(folder / "map.db").error_text(), HasSubstr("map.db"));
   Database database(folder / "map.db");
   EXPECT_EQ(database.integer("PRAGMA user_version"), 1);
   EXPECT_EQ(database.integer("SELECT count(*) FROM sqlite_master WHERE name LIKE 'placed%'"), 0);

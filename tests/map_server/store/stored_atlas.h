@@ -1,25 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Atlases with something of all that a file has, and why a file cannot be opened.
+// Atlases with content for every table of the file, and a function that returns why a file cannot be opened.
 #pragma once
 
 #include <map>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "map_server/store/map_store.h"
+#include "tests/map_server/place_map.h"
 #include "tests/map_server/test_atlas.h"
 
 namespace rumi::testing {
 
 inline std::string open_error(const std::string& file) {
-  try {
-    MapStore store(file);
-    store.load();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+  Result<MapStore> store = MapStore::open(file);
+  return store ? store->load().error_text() : store.error().text();
 }
 
 inline Atlas full_atlas() {
@@ -36,26 +31,27 @@ inline Atlas full_atlas() {
   return atlas;
 }
 
-// Submaps 1 and -1 are the map, in pieces; what is known of all pairs.
+// Submaps 1 and -1 are the map, and bend; there are links between all pairs.
 inline Atlas merged_atlas() {
   Atlas atlas = full_atlas();
   std::map<SubmapKey, Placement> placements;
   for (const SubmapKey key : {SubmapKey{7, 1}, SubmapKey{8, -1}})
     placements[key] = make_placement(atlas.find(key)->submap, 4);
   for (int id = 0; id < 5; ++id) placements[{7, 1}].fused[100 + id] = {{8, -1}, 7 * id};
-  atlas.place_map(placements);
-  atlas.set_links({{.a = {7, 1},
-                    .b = {8, -1},
-                    .kind = Link::Kind::kSameImages,
-                    .b_from_a = Sim3(0.3, so3_exp({1, 2, 3}), {4, -0.0, 6}),
-                    .keyframes = 12,
-                    .keyframe_inliers = 11,
-                    .landmarks = 300,
-                    .landmark_inliers = 290,
-                    .rmse_px = 0.7,
-                    .doubt = ""},
-                   {.a = {7, 1}, .b = {8, -1}, .kind = Link::Kind::kAppearance, .doubt = "3 of 50 landmarks agree"},
-                   {.a = {7, 2}, .b = {8, -1}, .doubt = "no 'image' in common"}});
+  testing::place_map(&atlas, placements);
+  EXPECT_TRUE(
+      atlas.set_links({{.a = {7, 1},
+                        .b = {8, -1},
+                        .kind = Link::Kind::kSameImages,
+                        .b_from_a = Sim3(0.3, so3_exp({1, 2, 3}), {4, -0.0, 6}),
+                        .keyframes = 12,
+                        .keyframe_inliers = 11,
+                        .landmarks = 300,
+                        .landmark_inliers = 290,
+                        .rmse_px = 0.7,
+                        .doubt = ""},
+                       {.a = {7, 1}, .b = {8, -1}, .kind = Link::Kind::kAppearance, .doubt = "3 of 50 landmarks agree"},
+                       {.a = {7, 2}, .b = {8, -1}, .doubt = "no 'image' in common"}}));
   return atlas;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Images of a calibration board as a known camera would take them.
+// Renders images of a calibration board as a known camera would take them.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -20,7 +20,7 @@ struct BoardPose {  // cam_from_board, mm
   Eigen::Vector3d translation;
 };
 
-// What a photograph adds.
+// The difference between a photograph and an ideal image.
 struct Optics {
   double blur_px = 0.7;  // standard deviation
   double noise = 2;      // grey levels, standard deviation
@@ -57,13 +57,14 @@ class BoardScene {
     return out;
   }
 
-  // The board's middle at a pixel, its diagonal as seen from the front `degrees` wide, and turned.
+  // Returns a pose in which the board's middle is at `pixel`. `degrees`: the angle that its diagonal spans when seen
+  // from the front. It is then tilted and rolled.
   BoardPose pose(const Eigen::Vector2d& pixel, double degrees, double tilt_x_rad, double tilt_y_rad,
                  double roll_rad) const {
     const double distance = std::hypot(board_.width_mm(), board_.height_mm()) / 2 / std::tan(degrees * M_PI / 360);
     const Eigen::Vector3d sight = camera_.unproject(pixel).normalized();
     BoardPose pose;
-    // Towards the line of sight, and turned from there: as somebody would hold it who walks around.
+    // The board faces the camera and is turned from there, as if somebody held it who walks around.
     pose.rotation = shortest_turn(Eigen::Vector3d::UnitZ(), sight).toRotationMatrix() *
                     (Eigen::AngleAxisd(tilt_x_rad, Eigen::Vector3d::UnitY()) *
                      Eigen::AngleAxisd(tilt_y_rad, Eigen::Vector3d::UnitX()) *
@@ -74,8 +75,8 @@ class BoardScene {
     return pose;
   }
 
-  // Somebody who holds the board at many places of the image, near and far, turned to all sides. Its middle stays off
-  // the image's edges by a part of it.
+  // Returns poses of a board that somebody holds at many places of the image, near and far, turned to all sides.
+  // `margin`: distance of its middle from the image's edges, as a part of the image.
   std::vector<BoardPose> varied_poses(int count, double nearest_degrees, double margin = 0.15) const {
     std::mt19937 random(7);
     const auto between = [&random](double low, double high) {
@@ -93,9 +94,9 @@ class BoardScene {
   }
 
  private:
-  static constexpr int kFiner = 2;     // per pixel and direction
+  static constexpr int kFiner = 2;     // rendered samples per pixel, in each direction
   static constexpr int kRimMm = 30;    // white paper around the board
-  static constexpr double kPerMm = 4;  // texture pixels; sides of squares are whole numbers of them
+  static constexpr double kPerMm = 4;  // texture pixels; the sides of squares must be whole numbers of them
 
   static float texture_px(double mm) { return static_cast<float>((mm + kRimMm) * kPerMm - 0.5); }
 

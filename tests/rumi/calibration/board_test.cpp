@@ -23,16 +23,9 @@ using testing::TemporaryFolder;
 
 const Paper& a4() { return papers().front(); }
 
-Board parsed(const std::string& text) {
-  Board board;
-  EXPECT_EQ(parse_board(text, &board), "");
-  return board;
-}
+Board parsed(const std::string& text) { return parse_board(text).value(); }
 
-std::string refusal(const std::string& text) {
-  Board board;
-  return parse_board(text, &board);
-}
+std::string refusal(const std::string& text) { return parse_board(text).error_text(); }
 
 TEST(Board, IsWrittenAndReadBack) {
   for (const char* text : {"charuco:9x7:26:19:4X4_50", "charuco:12x9:20.5:15.25:APRILTAG_36h11", "chessboard:8x6:30"})
@@ -58,7 +51,7 @@ TEST(Board, WhatIsNoneIsRefusedWithItsPart) {
   EXPECT_THAT(refusal("charuco:15x11:10:7:4X4_50"), HasSubstr("needs 82 markers: dictionary 4X4_50 has 50"));
 }
 
-// What we print is what cv::aruco looks for.
+// The printed board has the same pixels as the one that cv::aruco draws and looks for.
 TEST(Board, IsThatOfOpenCv) {
   for (const char* text : {"charuco:9x7:40:30:4X4_50", "charuco:6x5:40:28:5X5_50"}) {
     const Board board = parsed(text);
@@ -75,14 +68,14 @@ TEST(BoardPage, PngHasItsSizeAndResolution) {
   const TemporaryFolder folder;
   const std::string file = folder / "board.png";
   const Board board = parsed("charuco:9x7:26:19");
-  ASSERT_EQ(write_board_page(board, a4(), 300, file), "");
+  ASSERT_EQ(write_board_page(board, a4(), 300, file).error_text(), "");
   const std::string bytes = testing::read_file(file);
   const size_t phys = bytes.find("pHYs");
   ASSERT_NE(phys, std::string::npos);
   EXPECT_EQ(bytes.substr(phys + 4, 9), std::string("\0\0\x2E\x23\0\0\x2E\x23\x01", 9)) << "11811 per metre: 300 dpi";
   const cv::Mat picture = cv::imread(file, cv::IMREAD_GRAYSCALE);
   EXPECT_EQ(picture.size(), cv::Size(3508, 2480)) << "A4";
-  // Its corners are where the millimetres say.
+  // The corners are where the board's millimetres say.
   const BoardDetection detection = BoardDetector(board).detect(picture);
   ASSERT_EQ(detection.outcome, BoardDetection::Outcome::kFound);
   ASSERT_EQ(detection.view.corners.size(), static_cast<size_t>(board.corners()));
@@ -92,13 +85,13 @@ TEST(BoardPage, PngHasItsSizeAndResolution) {
         board.corner_mm(i) * per_mm + cv::Point2d((297 - 234) / 2.0, (210 - 182) / 2.0) * per_mm;
     EXPECT_LT(cv::norm(cv::Point2d(detection.view.pixels[i]) + cv::Point2d(0.5, 0.5) - expected), 0.6) << i;
   }
-  // What it is stands below it, and nowhere else.
+  // The description is below the board, and nothing is above it.
   const int below = static_cast<int>((105 + 91 + 2) * per_mm);
   EXPECT_GT(cv::countNonZero(picture.rowRange(below, picture.rows) < 200), 1000);
   EXPECT_EQ(cv::countNonZero(picture.rowRange(0, static_cast<int>(13 * per_mm)) < 255), 0);
 }
 
-// The first compressed stream that draws something.
+// Returns the content of the first compressed stream, which is the one that draws the page.
 std::string page_contents(const std::string& pdf) {
   const size_t begin = pdf.find("stream\n") + 7, end = pdf.find("endstream", begin);
   std::string text(1 << 20, '\0');
@@ -113,7 +106,7 @@ std::string page_contents(const std::string& pdf) {
 TEST(BoardPage, PdfHasItsSize) {
   const TemporaryFolder folder;
   const std::string file = folder / "board.pdf";
-  ASSERT_EQ(write_board_page(parsed("chessboard:7x9:20"), a4(), 300, file), "");
+  ASSERT_EQ(write_board_page(parsed("chessboard:7x9:20"), a4(), 300, file).error_text(), "");
   const std::string pdf = testing::read_file(file);
   EXPECT_THAT(pdf, HasSubstr("MediaBox [ 0 0 595.275591 841.889764 ]")) << "A4 upright, in points";
   const std::string contents = page_contents(pdf);
@@ -132,11 +125,13 @@ TEST(BoardPage, PdfHasItsSize) {
 
 TEST(BoardPage, WhatCannotBeIsRefusedAndLeavesNothing) {
   const TemporaryFolder folder;
-  const std::string too_large = write_board_page(parsed("chessboard:11x9:26"), a4(), 300, folder / "b.pdf");
+  const std::string too_large =
+      write_board_page(parsed("chessboard:11x9:26"), a4(), 300, folder / "b.pdf").error_text();
   EXPECT_THAT(too_large, HasSubstr("is 286 x 234 mm and does not fit on a4"));
-  EXPECT_EQ(write_board_page(parsed("chessboard:11x9:26"), papers()[1], 72, folder / "a3.png"), "");
-  EXPECT_THAT(write_board_page(Board(), a4(), 300, folder / "b.jpg"), HasSubstr("must end in .pdf or .png"));
-  EXPECT_THAT(write_board_page(Board(), a4(), 300, folder / "none/b.pdf"), HasSubstr("cannot write"));
+  EXPECT_EQ(write_board_page(parsed("chessboard:11x9:26"), papers()[1], 72, folder / "a3.png").error_text(), "");
+  EXPECT_THAT(write_board_page(Board(), a4(), 300, folder / "b.jpg").error_text(),
+              HasSubstr("must end in .pdf or .png"));
+  EXPECT_THAT(write_board_page(Board(), a4(), 300, folder / "none/b.pdf").error_text(), HasSubstr("cannot write"));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "a3.png only";
 }
 

@@ -21,7 +21,7 @@ using ::testing::IsEmpty;
 
 cv::Size size_of(const Camera& camera) { return {camera.width, camera.height}; }
 
-// Corners as they are projected, with noise instead of a detector.
+// Returns views with projected corners and noise, as a detector would find them.
 std::vector<BoardView> projected_views(const Board& board, const Camera& camera, const std::vector<BoardPose>& poses,
                                        double noise_px) {
   std::mt19937 random(5);
@@ -55,7 +55,8 @@ std::vector<BoardView> detected_views(const Board& board, const BoardScene& scen
   return views;
 }
 
-// The largest distance between where two cameras see the same ray, over what the second sees up to the image's corners.
+// Returns the largest distance, in pixels, between the places at which the two cameras see the same ray. The rays cover
+// the middle part of the second camera's image; `part_of_image` is the part of its width and height.
 double largest_difference_px(const Camera& estimate, const Camera& truth, double part_of_image) {
   double largest = 0;
   for (int y = -4; y <= 4; ++y) {
@@ -73,18 +74,18 @@ struct RecoveryCase {
   const char* board;
   bool fisheye;
   int images;
-  double focal_px, centre_px;   // largest errors
-  double middle_px, corner_px;  // largest error of a pixel: in the middle 80 % of the image, and up to its corners
+  double focal_px, centre_px;  // largest allowed errors
+  // Largest allowed error of a pixel: in the middle 80 % of the image, and up to its corners.
+  double middle_px, corner_px;
   double rms_px;
 };
 
 class Recovery : public ::testing::TestWithParam<RecoveryCase> {};
 
-// From rendered images to a camera. Prints the table.
+// Estimates a camera from rendered images, and prints its errors.
 TEST_P(Recovery, OfTheCameraThatTookTheImages) {
   const RecoveryCase& param = GetParam();
-  Board board;
-  ASSERT_EQ(parse_board(param.board, &board), "");
+  const Board board = parse_board(param.board).value();
   const int width = board.kind == Board::Kind::kCharuco ? 640 : 480;  // looking for a chessboard takes long
   const Camera truth = (param.fisheye ? testing::fisheye_camera : testing::pinhole_camera)(width, width * 3 / 4);
   const BoardScene scene(board, truth);
@@ -92,33 +93,33 @@ TEST_P(Recovery, OfTheCameraThatTookTheImages) {
   const size_t used = views.size() * 3 / 4;
   const std::vector<BoardView> spare(views.begin() + used, views.end());
   views.resize(used);
-  const Calibration calibration = calibrate(board, views, spare, size_of(truth), truth.model, {});
-  ASSERT_EQ(calibration.error, "");
-  EXPECT_THAT(calibration.doubts, IsEmpty());
-  const Camera& c = calibration.camera;
+  const Result<Calibration> calibration = calibrate(board, views, spare, size_of(truth), truth.model, {});
+  ASSERT_EQ(calibration.error_text(), "");
+  EXPECT_THAT(calibration->doubts, IsEmpty());
+  const Camera& c = calibration->camera;
   const double middle = largest_difference_px(c, truth, 0.8), corner = largest_difference_px(c, truth, 1);
-  fmt::print("{} {}: {} views\n", param.fisheye ? "fisheye" : "pinhole", param.board, calibration.views);
+  fmt::print("{} {}: {} views\n", param.fisheye ? "fisheye" : "pinhole", param.board, calibration->views);
   const std::map<std::string, double> truths = {{"fx", truth.fx}, {"fy", truth.fy}, {"cx", truth.cx}, {"cy", truth.cy},
                                                 {"k1", truth.k1}, {"k2", truth.k2}, {"k3", truth.k3}, {"k4", truth.k4},
                                                 {"p1", truth.p1}, {"p2", truth.p2}};
-  for (const CalibratedParameter& p : calibration.parameters) {
+  for (const CalibratedParameter& p : calibration->parameters) {
     fmt::print("  {}  truth {:10.5f}  found {:10.5f} +- {:.5f}\n", p.name, truths.at(p.name), p.value, p.stddev);
     EXPECT_LT(std::abs(p.value - truths.at(p.name)), 4.5 * p.stddev)
         << p.name << ": the deviation that is told is true";
   }
   fmt::print("  a pixel is wrong by at most {:.3f} px in the middle 80 %, {:.3f} px up to the corners\n", middle,
              corner);
-  fmt::print("  RMS {:.3f} px, {:.3f} px in {} other views\n", calibration.rms_px, calibration.check_rms_px,
-             calibration.check_views);
+  fmt::print("  RMS {:.3f} px, {:.3f} px in {} other views\n", calibration->rms_px, calibration->check_rms_px,
+             calibration->check_views);
   EXPECT_NEAR(c.fx, truth.fx, param.focal_px);
   EXPECT_NEAR(c.fy, truth.fy, param.focal_px);
   EXPECT_NEAR(c.cx, truth.cx, param.centre_px);
   EXPECT_NEAR(c.cy, truth.cy, param.centre_px);
   EXPECT_LT(middle, param.middle_px);
   EXPECT_LT(corner, param.corner_px);
-  EXPECT_LT(calibration.rms_px, param.rms_px);
-  EXPECT_EQ(calibration.check_views, spare.size());
-  EXPECT_LT(calibration.check_rms_px, 2 * param.rms_px);
+  EXPECT_LT(calibration->rms_px, param.rms_px);
+  EXPECT_EQ(calibration->check_views, spare.size());
+  EXPECT_LT(calibration->check_rms_px, 2 * param.rms_px);
 }
 INSTANTIATE_TEST_SUITE_P(, Recovery,
                          ::testing::Values(RecoveryCase{"charuco:9x7:26:19", false, 40, 1.5, 1.5, 1.5, 1.5, 0.15},
@@ -128,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(, Recovery,
 
 class CalibratorTest : public ::testing::Test {
  protected:
-  Calibration run(const std::vector<BoardView>& views, const std::vector<BoardView>& spare = {}) const {
+  Result<Calibration> run(const std::vector<BoardView>& views, const std::vector<BoardView>& spare = {}) const {
     return calibrate(board_, views, spare, size_of(camera_), camera_.model, {});
   }
   std::vector<BoardView> views(int count, double noise_px = 0.1) const {
@@ -141,59 +142,59 @@ class CalibratorTest : public ::testing::Test {
 
 TEST_F(CalibratorTest, SameViewsSameCamera) {
   const std::vector<BoardView> data = views(20);
-  const Calibration a = run(data), b = run(data);
-  ASSERT_EQ(a.error, "");
-  EXPECT_EQ(a.camera.fx, b.camera.fx);
-  EXPECT_EQ(a.camera.k2, b.camera.k2);
-  EXPECT_EQ(a.rms_px, b.rms_px);
+  const Result<Calibration> a = run(data), b = run(data);
+  ASSERT_EQ(a.error_text(), "");
+  EXPECT_EQ(a->camera.fx, b->camera.fx);
+  EXPECT_EQ(a->camera.k2, b->camera.k2);
+  EXPECT_EQ(a->rms_px, b->rms_px);
 }
 
 TEST_F(CalibratorTest, TellsTheNoiseOfTheCorners) {
-  const Calibration calibration = run(views(30, 0.25), views(8, 0.25));
-  ASSERT_EQ(calibration.error, "");
-  EXPECT_NEAR(calibration.rms_px, 0.25 * std::sqrt(2), 0.03) << "in x and y";
-  EXPECT_NEAR(calibration.check_rms_px, 0.25 * std::sqrt(2), 0.04);
+  const Result<Calibration> calibration = run(views(30, 0.25), views(8, 0.25));
+  ASSERT_EQ(calibration.error_text(), "");
+  EXPECT_NEAR(calibration->rms_px, 0.25 * std::sqrt(2), 0.03) << "in x and y";
+  EXPECT_NEAR(calibration->check_rms_px, 0.25 * std::sqrt(2), 0.04);
 }
 
 TEST_F(CalibratorTest, AThirdRadialTermIsUsedOnlyWhereThereIsOne) {
-  EXPECT_EQ(run(views(20)).camera.k3, 0);
+  EXPECT_EQ(run(views(20))->camera.k3, 0);
   Camera curved = camera_;
   curved.k3 = -0.2;
   const BoardScene scene(board_, curved);
-  const Calibration calibration = calibrate(board_, projected_views(board_, curved, scene.varied_poses(30, 45), 0.02),
-                                            {}, size_of(curved), curved.model, {});
-  EXPECT_NEAR(calibration.camera.k3, -0.2, 0.05);
+  const Result<Calibration> calibration = calibrate(
+      board_, projected_views(board_, curved, scene.varied_poses(30, 45), 0.02), {}, size_of(curved), curved.model, {});
+  EXPECT_NEAR(calibration->camera.k3, -0.2, 0.05);
 }
 
 TEST_F(CalibratorTest, ViewsThatDoNotFitAreLeftOut) {
   std::vector<BoardView> data = views(20);
   for (size_t i = 0; i < data[4].pixels.size(); ++i) data[4].pixels[i].x += i % 2 == 0 ? 2.f : -2.f;
-  const Calibration calibration = run(data);
-  ASSERT_EQ(calibration.error, "");
-  EXPECT_THAT(calibration.outliers, ElementsAre(HasSubstr("view 4: ")));
-  EXPECT_EQ(calibration.views, data.size() - 1);
-  EXPECT_LT(calibration.rms_px, 0.2);
+  const Result<Calibration> calibration = run(data);
+  ASSERT_EQ(calibration.error_text(), "");
+  EXPECT_THAT(calibration->outliers, ElementsAre(HasSubstr("view 4: ")));
+  EXPECT_EQ(calibration->views, data.size() - 1);
+  EXPECT_LT(calibration->rms_px, 0.2);
 }
 
 TEST_F(CalibratorTest, ManyViewsAreThinnedAndTheOthersCheckTheResult) {
   const std::vector<BoardView> data = views(80);
-  const Calibration calibration = run(data);
-  ASSERT_EQ(calibration.error, "");
-  EXPECT_LE(calibration.views, 50u);
-  EXPECT_EQ(calibration.check_views, data.size() - 50);
-  EXPECT_LT(calibration.check_rms_px, 0.2);
+  const Result<Calibration> calibration = run(data);
+  ASSERT_EQ(calibration.error_text(), "");
+  EXPECT_LE(calibration->views, 50u);
+  EXPECT_EQ(calibration->check_views, data.size() - 50);
+  EXPECT_LT(calibration->check_rms_px, 0.2);
 }
 
 TEST_F(CalibratorTest, FewViewsAreRefused) {
-  const Calibration calibration = run(views(6));
-  EXPECT_THAT(calibration.error, HasSubstr("6 different views of the board are too few: at least 8"));
-  EXPECT_THAT(run({}).error, HasSubstr("0 different views"));
+  const Result<Calibration> calibration = run(views(6));
+  EXPECT_THAT(calibration.error_text(), HasSubstr("6 different views of the board are too few: at least 8"));
+  EXPECT_THAT(run({}).error_text(), HasSubstr("0 different views"));
 }
 
-// Whether a user would take it and go on.
-bool is_believed(const Calibration& calibration) { return calibration.ok() && calibration.doubts.empty(); }
+// True if a user would accept the calibration.
+bool is_believed(const Result<Calibration>& calibration) { return calibration && calibration->doubts.empty(); }
 
-// The lens's distortion makes them look tilted, the fit is good, and the focal length that comes out is far off.
+// The lens's distortion makes parallel boards look tilted and the fit is good, but the focal length is far off.
 TEST_F(CalibratorTest, BoardsParallelToOneAnotherAreRefused) {
   for (const double tilt_rad : {0.0, 0.5}) {
     for (const Camera& camera : {camera_, testing::fisheye_camera(480, 360)}) {
@@ -206,32 +207,32 @@ TEST_F(CalibratorTest, BoardsParallelToOneAnotherAreRefused) {
                                 .toRotationMatrix();
         poses[i].translation = centre - poses[i].rotation * middle;
       }
-      const Calibration calibration =
+      const Result<Calibration> calibration =
           calibrate(board_, projected_views(board_, camera, poses, 0.1), {}, size_of(camera), camera.model, {});
       EXPECT_FALSE(is_believed(calibration)) << tilt_rad;
       if (tilt_rad == 0 && camera.model == Camera::Model::kPinhole) {
-        EXPECT_THAT(calibration.error, HasSubstr("tilted by 15 degrees or more against the others"));
+        EXPECT_THAT(calibration.error_text(), HasSubstr("tilted by 15 degrees or more against the others"));
       }
     }
   }
 }
 
 TEST_F(CalibratorTest, AFocalLengthThatIsUncertainIsDoubtful) {
-  // Far away: hardly any perspective.
+  // From far away there is hardly any perspective.
   std::vector<BoardPose> poses;
   for (int i = 0; i < 10; ++i) poses.push_back(scene_.pose({240.0 + i, 180}, 6, 0.1 * i - 0.5, 0, 0));
-  const Calibration calibration = run(projected_views(board_, camera_, poses, 0.3));
-  ASSERT_EQ(calibration.error, "");
-  EXPECT_THAT(calibration.doubts, ::testing::Contains(HasSubstr("fx is uncertain by ")));
+  const Result<Calibration> calibration = run(projected_views(board_, camera_, poses, 0.3));
+  ASSERT_EQ(calibration.error_text(), "");
+  EXPECT_THAT(calibration->doubts, ::testing::Contains(HasSubstr("fx is uncertain by ")));
 }
 
 TEST_F(CalibratorTest, ABoardThatIsNotFlatIsDoubtful) {
   std::vector<BoardView> data = views(20);
   for (BoardView& view : data)
     for (size_t i = 0; i < view.pixels.size(); ++i) view.pixels[i].y += view.corners[i] % 8 < 4 ? 3.f : -3.f;
-  const Calibration calibration = run(data);
-  ASSERT_EQ(calibration.error, "");
-  EXPECT_THAT(calibration.doubts, ::testing::Contains(HasSubstr("more than 1 px (--max-rms)")));
+  const Result<Calibration> calibration = run(data);
+  ASSERT_EQ(calibration.error_text(), "");
+  EXPECT_THAT(calibration->doubts, ::testing::Contains(HasSubstr("more than 1 px (--max-rms)")));
 }
 
 TEST_F(CalibratorTest, FisheyesOfAllWidths) {
@@ -240,12 +241,12 @@ TEST_F(CalibratorTest, FisheyesOfAllWidths) {
     camera.fx = focal * camera.width;
     camera.fy = 1.01 * camera.fx;
     const std::vector<BoardPose> poses = BoardScene(board_, camera).varied_poses(30, 30 / focal);
-    const Calibration calibration =
+    const Result<Calibration> calibration =
         calibrate(board_, projected_views(board_, camera, poses, 0.1), {}, size_of(camera), camera.model, {});
-    ASSERT_EQ(calibration.error, "") << focal;
-    EXPECT_THAT(calibration.doubts, IsEmpty()) << focal;
-    EXPECT_NEAR(calibration.camera.fx / camera.fx, 1, 0.003) << focal;
-    EXPECT_LT(largest_difference_px(calibration.camera, camera, 0.7), 1.5) << focal;
+    ASSERT_EQ(calibration.error_text(), "") << focal;
+    EXPECT_THAT(calibration->doubts, IsEmpty()) << focal;
+    EXPECT_NEAR(calibration->camera.fx / camera.fx, 1, 0.003) << focal;
+    EXPECT_LT(largest_difference_px(calibration->camera, camera, 0.7), 1.5) << focal;
   }
 }
 
@@ -256,7 +257,7 @@ TEST_F(CalibratorTest, ViewsOfNothingAreAnErrorNotACrash) {
   for (BoardView& view : data)
     for (cv::Point2f& pixel : view.pixels) pixel = {anywhere(random), anywhere(random)};
   for (const Camera::Model model : {Camera::Model::kPinhole, Camera::Model::kKannalaBrandt}) {
-    const Calibration calibration = calibrate(board_, data, {}, size_of(camera_), model, {});
+    const Result<Calibration> calibration = calibrate(board_, data, {}, size_of(camera_), model, {});
     EXPECT_FALSE(is_believed(calibration));
   }
 }

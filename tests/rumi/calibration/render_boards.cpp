@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// render_boards FOLDER pinhole|fisheye WIDTH HEIGHT COUNT [BOARD]: images of a board by a known camera, for looking at
-// `rumi calibrate` by hand and for measuring it; FOLDER/truth.yaml is the camera.
+// render_boards FOLDER pinhole|fisheye WIDTH HEIGHT COUNT [BOARD]: writes images of a board by a known camera, to try
+// `rumi calibrate` by hand and to measure it. The camera is in FOLDER/truth.yaml.
 #include <fmt/format.h>
 
 #include <cstdlib>
@@ -14,8 +14,8 @@
 int main(int argc, char** argv) {
   using namespace rumi;
   using namespace rumi::tool;
-  Board board;
-  if (argc < 6 || (argc > 6 && !parse_board(argv[6], &board).empty())) {
+  const Result<Board> board = argc > 6 ? parse_board(argv[6]) : Board();
+  if (argc < 6 || !board) {
     fmt::print(stderr, "render_boards FOLDER pinhole|fisheye WIDTH HEIGHT COUNT [BOARD]\n");
     return 2;
   }
@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
   std::filesystem::create_directories(folder);
   const Camera camera = fisheye ? testing::fisheye_camera(width, height) : testing::pinhole_camera(width, height);
   std::ofstream(folder / "truth.yaml") << camera_to_yaml(camera);
-  const testing::BoardScene scene(board, camera);
+  const testing::BoardScene scene(*board, camera);
   int number = 0;
   for (const testing::BoardPose& pose : scene.varied_poses(count, fisheye ? 90 : 45)) {
     cv::imwrite((folder / fmt::format("board{:03}.png", number)).string(), scene.render(pose, {}, number));

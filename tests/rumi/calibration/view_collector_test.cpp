@@ -20,16 +20,12 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-Board board_of(const std::string& text) {
-  Board board;
-  EXPECT_EQ(parse_board(text, &board), "");
-  return board;
-}
+Board board_of(const std::string& text) { return parse_board(text).value(); }
 
 class Collecting : public ::testing::Test {
  protected:
   bool add(const cv::Mat& grey) { return collector_.add(make_grey_image(++utime_us_, grey), "an image"); }
-  // The board at a part of the image, tilted.
+  // Returns an image with the board's middle at (x, y), in parts of the image's size, and tilted.
   cv::Mat view(double x, double y, double tilt_x_rad, double tilt_y_rad, const testing::Optics& optics = {},
                double degrees = 40) const {
     const Eigen::Vector2d pixel(x * camera_.width, y * camera_.height);
@@ -47,13 +43,13 @@ struct DetectionCase {
   const char* board;
   bool fisheye;
   int views;
-  size_t fewest;  // of them that show it
+  size_t fewest;  // at least so many views must show the board
   double max_rms_px, max_bias_px;
 };
 
 class BoardDetectorTest : public ::testing::TestWithParam<DetectionCase> {};
 
-// Also the pixel convention: half a pixel would be a bias of 0.5.
+// This also tests the pixel convention: another origin of pixels would give a bias of 0.5.
 TEST_P(BoardDetectorTest, FindsCornersWhereTheyAre) {
   const DetectionCase& param = GetParam();
   const Board board = board_of(param.board);
@@ -130,7 +126,7 @@ TEST_F(Collecting, TakesWhatIsSharpAndNew) {
   EXPECT_EQ(collector_.counts().to_string(), "6 images: 3 views taken, 2 like these, 1 without the board");
 }
 
-// A chessboard is found however blurred it is.
+// A chessboard is found even if it is very blurred.
 TEST(ViewCollector, LeavesBlurredViewsOut) {
   const Board board = board_of("chessboard:9x7:26");
   const Camera camera = testing::pinhole_camera(480, 360);
@@ -179,7 +175,7 @@ TEST_F(Collecting, TellsHowTheBoardIsTilted) {
     return shape_of(detection.view, board_, {camera_.width, camera_.height});
   };
   EXPECT_LT(shape(0, 0).tilt(), 12);
-  // Turned about the axis that points down, the right side comes nearer: it recedes to the left.
+  // If the board turns about the axis that points down, its right side comes nearer: it recedes to the left.
   EXPECT_NEAR(shape(0.6, 0).tilt_x, -34, 8);
   EXPECT_NEAR(shape(-0.6, 0).tilt_x, 34, 8);
   EXPECT_NEAR(shape(0, 0.6).tilt_y, 34, 8);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bags through the whole program: a replay of one is that of the recording of which it was made, to the bit.
+// Runs the programs on bags: the replay of a bag equals that of the recording from which it was made, to the bit.
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
@@ -46,14 +46,14 @@ TEST_F(BagsInUse, AreReplayedToTheBitAndBringTheirTruth) {
     EXPECT_EQ(file("again_" + name + "/trajectory.txt"), file("of_folder/trajectory.txt")) << name;
     succeed("evaluate again_" + name);
   }
-  // The poses of a run, as a bag has them.
+  // A bag that was exported with the poses of a run contains these poses.
   succeed("export sequence -o of_run.mcap --poses of_folder");
   succeed("import of_run.mcap -o of_run");
   const nlohmann::json alike = evaluate(*work_ / "of_folder", *work_ / "of_run/groundtruth.txt");
   EXPECT_LT(alike["ate_se3_rmse_m"].get<double>(), 1e-5);
 }
 
-// Two cameras that see the same walk, one of them mirrored.
+// The bag has two cameras that see the same walk, one of them mirrored.
 TEST_F(BagsInUse, LogChannelChoosesAmongTopics) {
   testing::Ros1Writer bag("lz4");
   std::istringstream list(file("sequence/rgb.txt"));

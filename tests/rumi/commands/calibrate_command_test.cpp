@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `rumi calibrate` and `rumi draw-board` as a user calls them; live over real LCM multicast. Runs in a network
+// Runs `rumi calibrate` and `rumi draw-board` as a user does, also live over real LCM multicast. It needs a network
 // namespace (tests/run_in_netns.sh).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -34,11 +34,11 @@ TEST_F(CalibrateCommand, WritesAFileAndSaysHowGoodItIs) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_THAT(outcome.output, AllOf(HasSubstr("views taken"), HasSubstr("fx"), HasSubstr("reprojection error: 0.")));
   EXPECT_THAT(read_file(file("a.yaml")), HasSubstr("model: pinhole\nfx: 39"));
-  // The others take it.
+  // Other commands accept the calibration.
   const Outcome replayed =
       shell("$RUMI/rumi export " + images() + " --rate 5 --camera " + file("a.yaml") + " -o " + file("boards.lcm"));
   EXPECT_EQ(replayed.exit_code, 0) << replayed.output;
-  // The log shows what the folder shows, up to what JPEG does to it.
+  // A log of the same images gives a calibration, too.
   const Outcome logged = calibrate(file("boards.lcm") + " -o " + file("b.yaml") + " --picture " + file("b.png"));
   EXPECT_EQ(logged.exit_code, 0) << logged.output;
   EXPECT_THAT(read_file(file("b.png")), HasSubstr("PNG"));

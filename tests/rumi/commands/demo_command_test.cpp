@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What Rumi is for, on the walk of `rumi demo`: the camera is lost between two rooms neither of which is seen from the
-// other one, the front goes on in a submap of its own, and only what is rebuilt of the loss joins the two.
+// Tests on the walk of `rumi demo` what Rumi is for: tracking is lost between two rooms, neither of which is seen from
+// the other one. front_tracker goes on in a new submap, and only the rebuilt images of the loss join the two.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,9 +26,9 @@ class DemoTest : public ::testing::Test {
 
   static fs::path out() { return work_->path() / "demo"; }
   static map_server::Atlas map_of(const char* run) {
-    return map_server::MapStore((out() / run / "map.db").string()).load();
+    return map_server::MapStore::open((out() / run / "map.db").string()).value().load().value();
   }
-  // Submaps of the front that have more than a moment of the walk.
+  // Returns the front submaps that have more than a moment of the walk.
   static std::vector<const map_server::AtlasSubmap*> large_front_submaps(const map_server::Atlas& atlas) {
     std::vector<const map_server::AtlasSubmap*> large;
     for (const auto& [key, owner] : atlas.submaps())
@@ -57,7 +57,7 @@ TEST_F(DemoTest, WhatWasLostIsRebuiltAndJoinsBothRooms) {
   const auto fronts = large_front_submaps(atlas);
   ASSERT_EQ(fronts.size(), 2u) << outcome_.output;
   EXPECT_TRUE(fronts[0]->in_map && fronts[1]->in_map);
-  // Some back submap was joined to the one room, and to the other.
+  // One back submap is joined to the front submaps of both rooms.
   const auto joined_to = [&](const map_server::AtlasSubmap& back, const map_server::AtlasSubmap& front) {
     return std::any_of(atlas.links().begin(), atlas.links().end(), [&](const map_server::Link& link) {
       const auto is = [](const SubmapKey& key, const map_server::AtlasSubmap& owner) {

@@ -36,7 +36,7 @@ TEST(DemoStory, DoesNotPraiseWhatFailed) {
   EXPECT_THAT(demo_story(whole), HasSubstr("never lost"));
   WindowRow failed = window(2'000'000, 3'000'000, 20, 0);
   failed.ok = false;
-  failed.result.failure = "colmap: not found";
+  failed.result.submap = Error{"colmap: not found"};
   whole.windows = {failed};
   whole.counts.front_submaps = 3;
   whole.counts.front_submaps_in_map = 1;

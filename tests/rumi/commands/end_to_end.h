@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Running the installed programs as a user does, and reading what they leave.
+// Runs the programs as a user does, and reads their outputs.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ struct Outcome {
   std::string output;  // stdout and stderr
 };
 
-// A shell command; $RUMI is the folder of the executables.
+// Runs a shell command, in which $RUMI is the folder of the executables.
 inline Outcome shell(const std::string& command) {
   setenv("RUMI", RUMI_BIN_DIR, 1);
   Outcome outcome;
@@ -46,7 +46,7 @@ inline nlohmann::json evaluate(const std::filesystem::path& out, const std::file
   return nlohmann::json::parse(outcome.output, nullptr, /*allow_exceptions=*/false);
 }
 
-// Renders a sequence of a room with its truth; returns its folder.
+// Renders a sequence of a room with its truth. Returns the folder of the sequence.
 inline std::filesystem::path render(const TemporaryFolder& work, const std::string& flags) {
   const std::filesystem::path sequence = work.path() / "sequence";
   const Outcome outcome = shell("$RUMI/rumi synth -q -o '" + sequence.string() + "' " + flags);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rumi evaluate` says of a truth that cannot be used, and its exit code.
+// Tests what `rumi evaluate` says about a truth that cannot be used, and its exit code.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Listens to a live system and, when it is ended, prints as JSON what an outsider saw: images, their MB in a second,
-// what was lost on the way here, answers to them, how long an answer took from the arrival of the image to the arrival
-// of its pose, when the first image and the first answer came after front_tracker was started, the most memory that
-// each process had, and by stage (stages_ms) how long what a frame goes through took.
+// Listens to a live system. When it is ended, prints as JSON what an outsider saw: the number of images and their MB
+// per second, datagrams that were lost on the way to it, the number of answers, the time from the arrival of an image
+// to the arrival of its pose, the times of the first image and the first answer after the start of front_tracker, the
+// peak memory of each process, and the time that each stage took (stages_ms).
 #include <fmt/format.h>
 #include <time.h>
 #include <unistd.h>
@@ -27,12 +27,13 @@
 
 namespace {
 
-// Microseconds since a process of this machine was started, in steps of 10 ms; nothing if it is gone.
+// Returns the microseconds since a process of this computer was started, in steps of 10 ms. Absent if it has ended.
 std::optional<int64_t> age_us(int pid) {
   std::ifstream file(fmt::format("/proc/{}/stat", pid));
   std::string stat;
   if (!std::getline(file, stat)) return std::nullopt;
-  std::istringstream fields(stat.substr(stat.rfind(')') + 1));  // the name may contain anything
+  // The name of the process may contain spaces and brackets.
+  std::istringstream fields(stat.substr(stat.rfind(')') + 1));
   std::string skipped;
   for (int field = 3; field < 22; ++field) fields >> skipped;
   int64_t start_ticks = 0;
@@ -53,7 +54,7 @@ class Durations {
  public:
   void add_ms(double ms) { ms_.push_back(ms); }
   void add_us(int64_t us) { add_ms(static_cast<double>(us) * 1e-3); }
-  // Sorts.
+  // Sorts the durations, and returns the quantile in ms; null if there are none.
   nlohmann::ordered_json at(double quantile) {
     if (ms_.empty()) return {};
     std::sort(ms_.begin(), ms_.end());
@@ -70,7 +71,7 @@ class Durations {
 class LiveStats : public rumi::Node {
  public:
   LiveStats(rumi::Bus& bus, const rumi::ReceiveLosses& losses) : bus_(bus), losses_(losses) {
-    // Deep queues: what is lost here would be taken for a loss of the system.
+    // The queues are deep, because messages lost here would count as lost by the system.
     bus.subscribe<rumi::image_t>(rumi::channels::kCamera, {1000}, [this](const rumi::image_t& image) {
       if (++images_ == 1) first_image_us_ = bus_.now_us();
       last_image_us_ = bus_.now_us();
@@ -133,7 +134,7 @@ class LiveStats : public rumi::Node {
     return static_cast<double>(image_bytes_) / us * static_cast<double>(images_ - 1) / static_cast<double>(images_);
   }
   void on_track(const rumi::track_t& track) {
-    if (track.sequence <= last_sequence_) return;  // a frame that got its pose afterwards
+    if (track.sequence <= last_sequence_) return;  // an earlier frame that got its pose afterwards
     if (++answers_ == 1) first_answer_us_ = bus_.now_us();
     if (track.state == rumi::track_t::TRACKING) ++tracked_;
     if (last_sequence_ >= 0) answers_lost_ += track.sequence - last_sequence_ - 1;
@@ -142,7 +143,7 @@ class LiveStats : public rumi::Node {
     const auto image = image_arrived_us_.find(track.utime);
     if (image == image_arrived_us_.end()) return;
     to_pose_.add_us(bus_.now_us() - image->second);
-    image_arrived_us_.erase(image_arrived_us_.begin(), image);  // it stays: CAMERA_TO_MAP comes after
+    image_arrived_us_.erase(image_arrived_us_.begin(), image);  // keeps the image itself: CAMERA_TO_MAP comes later
   }
   void on_status(const rumi::process_status_t& status) {
     if (const auto mb = peak_memory_mb(status.pid)) peak_memory_mb_[status.process] = *mb;
@@ -163,7 +164,7 @@ class LiveStats : public rumi::Node {
   Durations to_pose_, to_map_pose_, pose_cpu_, to_stored_;
   std::map<std::string, Durations> processing_;
   std::optional<int64_t> first_image_us_, first_answer_us_, tracker_started_us_;
-  std::map<std::string, double> peak_memory_mb_;  // by process; at its last status
+  std::map<std::string, double> peak_memory_mb_;  // by process, as of its last status
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi mask: what never moves in a recording, and what becomes of the mask.
+// Tests `rumi mask`: which parts of a recording it finds that never move, and what is done with the mask.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr int kWidth = 320, kHeight = 240, kCaption = 40;  // px: the last rows
+constexpr int kWidth = 320, kHeight = 240, kCaption = 40;  // kCaption: rows at the lower edge
 
 cv::Mat noise(int width, int height, uint64_t seed) {
   cv::Mat pixels(height, width, CV_8U);
@@ -27,7 +27,7 @@ cv::Mat noise(int width, int height, uint64_t seed) {
   return pixels;
 }
 
-// The world goes by, and below it is a caption or not.
+// Writes images of a world that moves by, with or without a caption below it.
 void write_recording(const std::filesystem::path& folder, bool has_caption) {
   const cv::Mat world = noise(1200, kHeight, 1), caption = noise(kWidth, kCaption, 2);
   std::filesystem::create_directories(folder);
@@ -62,8 +62,7 @@ TEST(MaskCommand, FindsACaptionAndTheMaskGoesWithTheImages) {
   while (const std::optional<LogEvent> event = log.next()) {
     image_t image;
     ASSERT_TRUE(Bus::decode(event->data, &image));
-    std::string error;
-    EXPECT_EQ(cv::countNonZero(decode_mask(metadata(image, kMaskKey), &error) != mask), 0) << error;
+    EXPECT_EQ(cv::countNonZero(decode_mask(metadata(image, kMaskKey)).value() != mask), 0);
     ++images;
   }
   EXPECT_EQ(images, 40) << "mask.png is none of them";

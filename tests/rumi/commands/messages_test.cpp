@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every refusal of an input or option, as a user reads it: `--gtest_filter=Messages.*` prints them as a page. Each
-// names the file, option or value that is wrong, and what to do.
+// Runs commands with each input and option that is refused. `--gtest_filter=Messages.*` prints what a user reads. Each
+// message must name the file, option or value that is wrong, and say what to do.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -19,9 +19,9 @@ namespace {
 using ::testing::HasSubstr;
 
 struct Case {
-  const char* command;  // behind $RUMI/
+  const char* command;  // without "$RUMI/" before it
   int exit_code;
-  std::vector<const char*> says;  // what is wrong, and the remedy
+  std::vector<const char*> says;  // texts in the output: what is wrong, and the remedy
 };
 
 class Messages : public ::testing::Test {
@@ -40,7 +40,7 @@ class Messages : public ::testing::Test {
     log.write(1, channel, has_image ? image : std::vector<uint8_t>(20));
     log.close();
   }
-  // Prints what is said, without the beginning of a line of the log.
+  // Runs the commands, prints their output, and checks it. No raw text of an exception may be in it.
   void tell(const std::vector<Case>& cases) const {
     for (const Case& one : cases) {
       const Outcome outcome = shell("cd '" + folder_.path().string() + "' && $RUMI/" + one.command);
@@ -335,7 +335,7 @@ TEST_F(Messages, OfOptions) {
       {"front_tracker --set front_tracker.keypoint=1", 2, {"front_tracker.keypoint", "did you mean"}},
       {"map_server extra", 2, {"extra"}},
   };
-  // Wrong values are refused alike by all that take a recording.
+  // All commands that take a recording refuse wrong values in the same way.
   static std::vector<std::string> lines;
   lines.reserve(100);
   for (const char* command :
@@ -350,7 +350,7 @@ TEST_F(Messages, OfOptions) {
   tell(cases);
 }
 
-// A full disk takes little output without a word until the program has ended.
+// Little output stays in a buffer, so a full disk is noticed only when the program ends.
 TEST_F(Messages, OfWhatCannotBePrinted) {
   if (access("/dev/full", W_OK) != 0) GTEST_SKIP() << "SKIPPED: no /dev/full here";
   static std::vector<std::string> lines;

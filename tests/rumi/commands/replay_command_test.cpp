@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From a recording to the outputs, by the executable.
+// Runs `rumi replay` on a recording, and reads the outputs.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ TEST_F(ReplayTest, TracksARenderedRoomTheSameToTheBitEveryTime) {
   EXPECT_TRUE(fs::exists(first / "evaluation.png"));
 }
 
-// Starts a replay into `out`, and sends it the signals as soon as it is at work.
+// Returns a shell command that starts a replay into `out`, and runs `kill` as soon as run.json is there.
 std::string interrupted(const fs::path& sequence, const fs::path& out, const std::string& kill) {
   return "$RUMI/rumi replay '" + sequence.string() + "' -o '" + out.string() + "' & pid=$!; while [ ! -f '" +
          (out / "run.json").string() + "' ]; do kill -0 $pid || exit 99; done; " + kill + "; wait $pid";
@@ -74,7 +74,7 @@ TEST_F(ReplayTest, WithoutAPictureAllElseIsKept) {
   EXPECT_EQ(read_json_file(out / "run.json")["missing"].size(), 1);
 }
 
-// COLMAP finds the images of a folder by their names, and those of a log where they were written.
+// COLMAP finds the images of a folder by their names, and those of a log in the folder into which they were written.
 TEST_F(ReplayTest, ColmapFindsTheImagesOfAModel) {
   const fs::path out = work_->path() / "for_colmap", log = work_->path() / "for_colmap.lcm";
   ASSERT_EQ(replay(sequence_, out, "--duration 3 --set image.max_image_side=500").exit_code, 0);
@@ -120,7 +120,7 @@ TEST_F(ReplayTest, TheLogOfARunCanBeReplayedToTheSameResult) {
   EXPECT_EQ(bytes.find("RUMI_MAP_CHUNK"), std::string::npos);
   EXPECT_EQ(bytes.find("RUMI_SUBMAP"), std::string::npos);
   ASSERT_EQ(replay(log, second).exit_code, 0);
-  // Pictures are drawn where they are kept.
+  // The viewer only draws if its pictures are kept.
   EXPECT_TRUE(read_json_file(first / "run.json")["cpu_ms_per_frame"].contains("viewer_offscreen"));
   EXPECT_FALSE(read_json_file(second / "run.json")["cpu_ms_per_frame"].contains("viewer_offscreen"));
   EXPECT_EQ(read_file(first / "trajectory.txt"), read_file(second / "trajectory.txt"));
@@ -159,7 +159,7 @@ TEST_F(ReplayTest, LocalizesInTheMapOfAnEarlierRun) {
   EXPECT_THAT(absent.output, HasSubstr("absent.db: there is no such file"));
 }
 
-// Both begin at 0, as all folders of images do, and are other images.
+// The two folders have different images, but the times of both begin at 0.
 TEST_F(ReplayTest, AFolderIsLocalizedInTheMapOfAnotherFolder) {
   std::vector<fs::path> images;
   for (const auto& entry : fs::directory_iterator(sequence_ / "rgb")) images.push_back(entry.path());
@@ -274,7 +274,7 @@ TEST_F(ReplayTest, WhatIsLeftOutIsToldByTheExitCodeToo) {
   EXPECT_THAT(exported.output, HasSubstr("24 of 240 images"));
 }
 
-// Their end is there: only who decodes them finds out.
+// The files are complete, so the damage is found only when they are decoded.
 TEST_F(ReplayTest, ImagesDamagedInTheMiddleCountAsLeftOut) {
   const fs::path damaged = work_->path() / "damaged_inside", out = work_->path() / "of_damaged_inside";
   fs::copy(sequence_, damaged, fs::copy_options::recursive);
@@ -307,7 +307,7 @@ TEST_F(ReplayTest, IfNothingIsTrackedItSaysWhatTheImagesLookLike) {
   EXPECT_THAT(outcome.output, HasSubstr("no image has a pose: the images are black"));
 }
 
-// Each image has its pose, with the time that the recording gives it, and the two sessions are one map.
+// Each image has a pose with its time in the recording, and the two sessions are joined to one map.
 TEST_F(ReplayTest, AClockThatIsSetBackIsTwoSessionsInOneMap) {
   const fs::path recording = work_->path() / "set_back", out = work_->path() / "of_set_back";
   fs::copy(sequence_, recording, fs::copy_options::recursive);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Replays of a rendered recording, by the executable.
+// Runs replays of a rendered recording.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -31,7 +31,7 @@ class ReplayTest : public ::testing::Test {
   static Outcome replay_aloud(const fs::path& input, const fs::path& out, const std::string& flags = "") {
     return shell("$RUMI/rumi replay '" + input.string() + "' -o '" + out.string() + "' " + flags);
   }
-  // All files below a folder, but for run.json, which has times in it.
+  // Returns all files below a folder, except run.json, which contains run times.
   static std::map<std::string, std::string> contents(const fs::path& folder) {
     std::map<std::string, std::string> files;
     for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -40,7 +40,7 @@ class ReplayTest : public ::testing::Test {
     }
     return files;
   }
-  // windows.csv without its last two columns, which are times.
+  // Returns windows.csv without its last two columns, which are run times.
   static std::string without_times(const std::string& csv) {
     std::istringstream lines(csv);
     std::string rest;

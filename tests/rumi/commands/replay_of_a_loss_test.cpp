@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From a recording with a loss to its outputs, by the executable.
+// Runs `rumi replay` on a recording with a loss, and reads the outputs.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -13,7 +13,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A turn that is too fast: front_tracker begins anew after it, the ruminator rebuilds what it lost.
+// The camera turns too fast. front_tracker begins a new submap after the turn, and ruminator rebuilds a back submap
+// from the images of the turn.
 class ReplayOfALoss : public ReplayTest {
  protected:
   static void SetUpTestSuite() {
@@ -23,7 +24,7 @@ class ReplayOfALoss : public ReplayTest {
   }
   void SetUp() override { ASSERT_EQ(outcome_.exit_code, 0) << outcome_.output; }
   static int accepted_links(const fs::path& out) {
-    const map_server::Atlas atlas = map_server::MapStore((out / "map.db").string()).load();
+    const map_server::Atlas atlas = map_server::MapStore::open((out / "map.db").string()).value().load().value();
     return static_cast<int>(std::count_if(atlas.links().begin(), atlas.links().end(),
                                           [](const map_server::Link& link) { return link.accepted(); }));
   }
@@ -35,14 +36,14 @@ TEST_F(ReplayOfALoss, LeavesOneMap) {
   const fs::path out = work_->path() / "out";
   const auto figures = evaluate(out, sequence_ / "groundtruth.txt");
   EXPECT_GE(figures["submaps"], 3);
-  // Without the back submap the 1.5 s of the turn would be missing, of 10.
+  // Without the back submap, the turn would have no poses: 1.5 s of 10 s.
   EXPECT_GE(figures["tracked_frame_ratio"], 0.92);
   EXPECT_GE(figures["true_rate"], 0.92);
   EXPECT_LE(figures["ate_rmse_m"], 0.05);
   EXPECT_GE(accepted_links(out), 2);
 }
 
-// Each once: that the submap begins, the loss, the window, the map that comes of it; and what is where at the end.
+// The output says each of these once: that the submap begins, the loss, the window, the joined map, and the results.
 TEST_F(ReplayOfALoss, IsTold) {
   const auto lines = [&](const std::string& words) {
     std::istringstream text(outcome_.output);
@@ -74,7 +75,7 @@ TEST_F(ReplayOfALoss, WithoutMergingTheMapIsTheLargestFrontSubmap) {
     EXPECT_EQ(read_file(out / submap), read_file(work_->path() / "out" / submap)) << "merging changes no front submap";
 }
 
-// The back submap, by replay and once more from the window's file.
+// The back submap is rebuilt by the replay, and again from the file of the window.
 TEST_F(ReplayOfALoss, IsRebuiltAndItsWindowCanBeRebuiltAnywhere) {
   const fs::path out = work_->path() / "out", again = work_->path() / "again";
   const auto run = read_json_file(out / "run.json");
@@ -95,9 +96,9 @@ TEST_F(ReplayOfALoss, IsRebuiltAndItsWindowCanBeRebuiltAnywhere) {
   const fs::path uncut = work_->path() / "uncut";
   ASSERT_EQ(replay(sequence_, uncut, "--set map_server.cull_back_keyframes=false").exit_code, 0);
   EXPECT_EQ(read_file(again / (name + ".txt")), read_file(uncut / "submaps/b001.txt"));
-  // Post-culling: fewer keyframes, the same frames.
+  // Post-culling leaves fewer keyframes, but the same frames.
   const auto back = [](const fs::path& folder) {
-    return map_server::MapStore(folder / "map.db").load().submaps().begin()->second;
+    return map_server::MapStore::open(folder / "map.db").value().load().value().submaps().begin()->second;
   };
   EXPECT_EQ(back(uncut).submap.kind, SubmapKind::kBack);
   EXPECT_LT(back(out).submap.keyframes.size(), back(uncut).submap.keyframes.size());

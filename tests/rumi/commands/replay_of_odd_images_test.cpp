@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Images that show something else than the world: the same one again, and a bonnet.
+// Runs `rumi replay` on images that do not show only the world: repeated ones, and a bonnet.
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -17,7 +17,7 @@ using ::testing::Not;
 
 class ReplayOfOddImages : public ReplayTest {};
 
-// From the first number on up to the second one, the list names the image before.
+// Changes the list so that it names the image before `from` in place of the images `from` to `to` - 1.
 void stand_still(const fs::path& list, int from, int to) {
   std::istringstream before(read_file(list));
   std::ofstream after(list);
@@ -49,7 +49,7 @@ TEST_F(ReplayOfOddImages, ACameraThatStandsStillHasNoPoseMeanwhileAndItIsSaid) {
   EXPECT_LE(evaluate(out, sequence_ / "groundtruth.txt")["ate_rmse_m"], 0.05);
 }
 
-// The lowest rows of each image become a pattern that stays where it is.
+// Replaces the lowest rows of each image by a pattern that never moves.
 void put_bonnet_on(const fs::path& images, int rows) {
   cv::Mat bonnet;
   for (const auto& entry : fs::directory_iterator(images)) {
@@ -79,7 +79,7 @@ TEST_F(ReplayOfOddImages, ABonnetIsToldAndLeftAsAMask) {
   EXPECT_GE(cv::countNonZero(mask.rowRange(0, 395)), 0.97 * 395 * 640);
   EXPECT_LE(cv::countNonZero(mask.rowRange(420, 480)), 0.03 * 60 * 640);
 
-  // It can be used, and is not what the same run then replaces.
+  // The mask can be used by another run. A run that would replace the mask that it uses is refused.
   const std::string flag = "--duration 2 --mask '" + (out / "mask.png").string() + "'";
   EXPECT_EQ(replay(recording, work_->path() / "with_mask", flag).exit_code, 0);
   const Outcome itself = replay(recording, out, flag);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Real recordings, where there are any.
+// Runs `rumi replay` on real recordings, if there are any.
 #include <gmock/gmock.h>
 
 #include "tests/rumi/commands/replay_fixture.h"
@@ -28,7 +28,7 @@ TEST(ReplayOfRealImages, Redkitchen) {
   EXPECT_LE(figures["ate_rmse_m"], 0.08);
 }
 
-// The same, out of focus and dark for 3.7 s: a back submap joins what was before and after.
+// The redkitchen recording, made dark and out of focus for 3.7 s. A back submap joins the parts before and after.
 TEST(ReplayOfRealImages, RedkitchenSoft) {
   const fs::path folder = recording("redkitchen_soft");
   if (!fs::exists(folder / "rgb.txt")) GTEST_SKIP() << "NOT TESTED: no " << folder << " (set RUMI_DATA_DIR)";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The five processes over real LCM multicast. Runs in a network namespace (tests/run_in_netns.sh).
+// Runs the five processes over real LCM multicast. It needs a network namespace (tests/run_in_netns.sh).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,8 @@ class LiveTest : public ::testing::Test {
            "' --set map_server.database='" + out.string() + "-live.db' --set viewer_offscreen.output='" + out.string() +
            "-view' --set ruminator.spool='" + out.string() + "-spool' " + flags;
   }
-  // Runs it, and a shell's `then` once there is something to lose: $up is its process, $log what it says.
+  // Runs `rumi up`, and the shell command `then` as soon as submap 1 begins. In it, $up is the process of `rumi up`,
+  // and $log the file with its output.
   static Outcome up_and(const fs::path& out, const std::string& flags, const std::string& then) {
     return shell(
         "log='" + out.string() + ".log'; " + up(out, flags) +
@@ -64,7 +65,7 @@ TEST_F(LiveTest, RunsToTheEndOfTheRecordingAndLosesNothing) {
   }
   for (const auto& [process, status] : run["processes"].items()) {
     for (const auto& [channel, counts] : status["channels"].items()) {
-      // The viewer draws the latest image: on a busy machine it lets some go, and nothing is lost by that.
+      // The viewer draws only the latest image. On a busy machine it skips some, which does no harm.
       if (process != "viewer_offscreen") {
         EXPECT_EQ(counts["dropped"], 0) << process << " " << channel;
       }
@@ -89,11 +90,12 @@ TEST_F(LiveTest, ImagesThatCameTooFastAreToldOf) {
   EXPECT_THAT(outcome.output, ContainsRegex("left out +of the [0-9]+ images that came [0-9]+ were dropped"));
 }
 
-// Publishes the images of the log as an own program would, at their pace. `change` is given each with its number.
+// Publishes the images of the log at 30 Hz, as another program would. `change` may change each image; it also gets its
+// number.
 void publish(const std::string& log_file, const std::function<void(int, image_t*)>& change) {
-  std::string error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(kDefaultLcmUrl, {}, &error);
-  ASSERT_TRUE(bus) << error;
+  const Result<std::unique_ptr<LcmBus>> opened = LcmBus::open(kDefaultLcmUrl, {});
+  ASSERT_TRUE(opened) << opened.error_text();
+  const std::unique_ptr<LcmBus>& bus = *opened;
   LogReader log(log_file);
   for (int i = 0; const std::optional<LogEvent> event = log.next_on(channels::kCamera); ++i) {
     image_t image;
@@ -104,7 +106,7 @@ void publish(const std::string& log_file, const std::function<void(int, image_t*
   }
 }
 
-// A system without an input that is stopped when `images` have been published; what it says.
+// Runs a system without an input, calls `images`, and stops the system. Returns its exit code and output.
 Outcome up_beside(const fs::path& out, const std::string& flags, const std::function<void()>& images) {
   const std::string said = out.string() + ".log", pid = out.string() + ".pid", code = out.string() + ".code";
   shell("( $RUMI/rumi up '" RUMI_CONFIG "' " + flags + " --set up.viewer=false --set map_server.database='" +
@@ -210,7 +212,7 @@ TEST_F(LiveTest, AKilledRuminatorGoesOnWithItsWindowWhichIsWaitedFor) {
     EXPECT_TRUE(entry.is_directory() || entry.path().extension() == ".id") << entry.path();
 }
 
-// The map is of the first 5 s, the run begins at 3 s.
+// The map is of the first 5 s of the recording; the run begins at 3 s.
 TEST_F(LiveTest, LocalizesInAMapThatStaysAsItIs) {
   const fs::path first = work_->path() / "to_localize_in", out = work_->path() / "localized", map = first / "map.db";
   const Outcome mapping =
@@ -230,7 +232,7 @@ TEST_F(LiveTest, LocalizesInAMapThatStaysAsItIs) {
   EXPECT_LE(figures["ate_rmse_m"], 0.05);
 }
 
-// The first run is of the first 4 s; without a CONFIG, all processes on channels of their own.
+// The first run takes the first 4 s of the recording. There is no CONFIG, and all channels have a prefix.
 TEST_F(LiveTest, TheNextRunGoesOnWithTheMapAndTellsOfItsOwnFrames) {
   const fs::path folder = work_->path() / "next";
   fs::create_directories(folder);

@@ -12,17 +12,18 @@ namespace {
 
 constexpr int64_t kStart = 1'400'000'000'000'000;
 constexpr int kFrames = 3000;
-constexpr double kPosition = 0.02, kRotation = 0.01;  // deviations of what is made here, in metres and radians
-constexpr double kUnit = 0.37;                        // of the submap, in metres
-constexpr double kDrift = 0.02;                       // of log scale, a second
+// Standard deviations of the noise in the generated poses, in metres and radians.
+constexpr double kPosition = 0.02, kRotation = 0.01;
+constexpr double kUnit = 0.37;   // metres per unit of the submap, before it drifts
+constexpr double kDrift = 0.02;  // standard deviation by which log scale drifts in a second
 
 struct NoisyRun {
   std::vector<TimedPose> truth;
   std::vector<ToldPose> told;
 };
 
-// A winding walk at 20 Hz, seen in another frame and unit, with noise that is told `confidence` times too small. The
-// unit drifts, too.
+// Makes a winding walk at 20 Hz, in another frame and unit than the truth, with noise. The told deviations are
+// `confidence` times too small. The unit drifts, too.
 NoisyRun noisy_run(double confidence, double drift = kDrift, int64_t period_us = 50'000) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal(0, 1);
@@ -68,7 +69,8 @@ TEST(Honesty, IsThatOfAGaussianWhereTheDeviationsAreRight) {
   EXPECT_EQ(honesty.reason, "");
   expect_shares(honesty.position, 0.683, 0.954, 0.03);
   expect_shares(honesty.rotation, 0.683, 0.954, 0.03);
-  // Steps overlap, and the drift within them averages: its half counts for neighbours.
+  // The shares are larger than .683 and .954. The length of a step averages the drift within it, so two consecutive
+  // steps differ by less than the growth of the variance says.
   expect_shares(honesty.log_scale, 0.72, 0.96, 0.06);
 }
 
@@ -91,7 +93,8 @@ TEST(Honesty, TellsWhoIsNotSureEnough) {
   EXPECT_GT(honesty.log_scale.one.value(), 0.95);
 }
 
-// In the end the unit is another by a third. What it drifts by within a window counts, for nothing else tells of it.
+// By the end the unit has changed by a third. Only its drift within the interval counts as an error of the position; it
+// is small, but no deviation describes it.
 TEST(Honesty, TheDriftOfTheUnitBeforeIsNoErrorOfThePosition) {
   const NoisyRun run = noisy_run(1, 0.03);
   expect_shares(evaluate_honesty({run.told}, run.truth).position, 0.66, 0.94, 0.06);
@@ -123,7 +126,7 @@ TEST(Honesty, SaysWhatCannotBeMeasured) {
   EXPECT_TRUE(without_rotations.position.one);
   EXPECT_FALSE(without_rotations.rotation.one);
   EXPECT_THAT(without_rotations.reason, testing::HasSubstr("no rotations"));
-  // Who stands still shows no unit.
+  // A camera that stands still does not show the unit.
   for (ToldPose& told : run.told) told.pose.map_from_cam.translation.setOnes();
   EXPECT_FALSE(evaluate_honesty({run.told}, run.truth).position.one);
   EXPECT_FALSE(evaluate_honesty({run.told}, run.truth).log_scale.one);

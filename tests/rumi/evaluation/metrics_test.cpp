@@ -14,7 +14,7 @@ namespace {
 constexpr int64_t kStart = 1'400'000'000'000'000;
 constexpr int64_t kPeriod = 33'333;
 
-// A winding walk of `count` frames at 30 Hz.
+// Makes a winding walk of `count` frames at 30 Hz.
 std::vector<TimedPose> walk(int count) {
   std::vector<TimedPose> poses;
   for (int i = 0; i < count; ++i) {
@@ -25,7 +25,7 @@ std::vector<TimedPose> walk(int count) {
   return poses;
 }
 
-// The same path in another frame and unit.
+// Returns the path in another frame and unit.
 std::vector<TimedPose> seen_from(const Sim3& other_from_map, std::vector<TimedPose> poses) {
   for (TimedPose& pose : poses) {
     pose.map_from_cam =
@@ -80,9 +80,10 @@ TEST(Metrics, ThePathIsTheTrueOneOfThePosesThatAreThere) {
 
 TEST(Metrics, RelativeRotationIsThatOfTheInterval) {
   auto truth = walk(300);
-  for (TimedPose& pose : truth) pose.map_from_cam.rotation.setIdentity();  // or errors in different directions add up
+  // Otherwise errors in different directions would add up.
+  for (TimedPose& pose : truth) pose.map_from_cam.rotation.setIdentity();
   auto estimate = truth;
-  // Drifts by half a degree per second about the camera's own axis.
+  // The estimate drifts by half a degree per second about the camera's own axis.
   for (size_t i = 0; i < estimate.size(); ++i) {
     const double angle = 0.5 * M_PI / 180 * static_cast<double>(i) / 30.0;
     estimate[i].map_from_cam = estimate[i].map_from_cam * SE3(so3_exp({0, 0, angle}), Eigen::Vector3d::Zero());
@@ -136,7 +137,7 @@ TEST(Associate, PrefersTheSameTimeThenTheNearestWithinTheTolerance) {
   EXPECT_EQ(associate(at({100'000}), at({95'000, 100'000, 101'000})), (Pairs{{0, 1}}));
   EXPECT_EQ(associate(at({100'000}), at({79'000, 120'000})), (Pairs{{0, 1}})) << "20 ms";
   EXPECT_TRUE(associate(at({100'000}), at({79'000, 121'000})).empty());
-  // Half the frame period (10 ms) is less than 20 ms.
+  // Half the frame period (10 ms) is the limit, as it is less than 20 ms.
   EXPECT_EQ(associate(at({0, 20'000, 40'000}), at({8'000, 51'000})), (Pairs{{0, 0}}));
   EXPECT_TRUE(associate({}, at({1})).empty());
   EXPECT_TRUE(associate(at({1}), {}).empty());
@@ -146,7 +147,7 @@ TEST(RunMetricsTest, RatesCountFramesNotPoses) {
   const auto truth = walk(100);
   const auto frames = frames_of(truth);
   std::vector<TimedPose> map(truth.begin() + 10, truth.begin() + 60);
-  map.push_back({truth[60].utime_us + 5, truth[60].map_from_cam});  // no frame was taken then
+  map.push_back({truth[60].utime_us + 5, truth[60].map_from_cam});  // there is no frame at that time
   const std::vector<TimedPose> second(truth.begin() + 70, truth.begin() + 90);
   const auto metrics = evaluate_run(seen_from(kOther, map), {map, seen_from(kOther, second)}, frames, truth);
   EXPECT_EQ(metrics.frames, 100);

@@ -36,17 +36,13 @@ class RunEvaluationTest : public ::testing::Test {
     for (int i = 0; i < kFrames; ++i)
       frames << fmt::format("{},TRACKING,1,1\n", 1'400'000'000'000'000 + 100'000 * int64_t{i});
   }
-  RunEvaluation evaluate() const {
-    RunEvaluation evaluation;
-    EXPECT_EQ(evaluate_folder(out_.string(), (out_ / "truth.txt").string(), {}, {}, &evaluation), "");
-    return evaluation;
-  }
+  RunEvaluation evaluate() const { return evaluate_folder(out_.string(), (out_ / "truth.txt").string()).value(); }
 
   testing::TemporaryFolder folder_;
   fs::path out_ = folder_.path();
 };
 
-// A submap that is bent as front_tracker left it, and straight in the map that was made of it.
+// Submap 1 is bent, as front_tracker left it, but straight in the map.
 TEST_F(RunEvaluationTest, TellsASubmapsErrorAsItWasAndInTheMap) {
   write_path(out_ / "trajectory.txt", 0, 50, 0);
   write_path(out_ / "submaps" / "001.txt", 0, 30, 0.05);
@@ -69,7 +65,7 @@ TEST_F(RunEvaluationTest, ASubmapThatIsNotInTheMapHasNoErrorThere) {
   EXPECT_TRUE(to_json(evaluation)["per_submap"][0]["ate_in_map_rmse_m"].is_null());
 }
 
-// Deviations are in the unit of where the pose is taken from: the map, or the submap that is not in it.
+// A deviation is in the unit of the file from which the pose is taken: the map's, or that of a submap outside the map.
 TEST_F(RunEvaluationTest, TellsHowHonestTheDeviationsAre) {
   write_path(out_ / "trajectory.txt", 0, 30, 0.001);
   write_path(out_ / "submaps" / "001.txt", 0, 30, 1);

@@ -12,7 +12,7 @@ namespace {
 
 using Path = std::function<Eigen::Vector3d(double)>;
 
-// A hand that looks about.
+// The path of a hand-held camera that looks about.
 Eigen::Vector3d by_hand(double t) {
   return {0.5 * std::sin(0.9 * t) + 0.1 * std::sin(4.1 * t), 0.3 * std::cos(1.3 * t), 0.2 * std::sin(2.3 * t + 1)};
 }

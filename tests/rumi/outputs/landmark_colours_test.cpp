@@ -8,6 +8,7 @@
 
 #include "bus/wire/image_stream.h"
 #include "camera_driver/open_source.h"
+#include "map_server/outputs/ply_file.h"
 #include "tests/formats/recording.h"
 #include "tests/rumi/small_atlas.h"
 
@@ -19,14 +20,14 @@ using testing::TemporaryFolder;
 
 constexpr int kKeyframes = 4, kLandmarks = 20;
 
-// What a landmark looks like.
+// Returns the colour in which a landmark is drawn.
 Colour true_colour(int landmark) {
   const auto channel = [landmark](int step) { return static_cast<uint8_t>(40 + landmark * step % 200); };
   return {channel(37), channel(61), channel(97)};
 }
 
-// A recording in which every keyframe of the submap shows its landmarks where it has them, `scale` times as large as
-// the submap's images, with more images in between. Something stands before landmark 0 in the second of them.
+// Writes a recording with an image for every keyframe of the submap, `scale` times as large as the submap's images, and
+// other images in between. Each landmark is drawn at its keypoint, but landmark 0 is hidden in the second keyframe.
 void write_recording(const Submap& submap, const std::filesystem::path& folder, int scale = 1) {
   const Camera& camera = submap.camera;
   std::filesystem::create_directories(folder / "rgb");
@@ -54,8 +55,8 @@ void write_recording(const Submap& submap, const std::filesystem::path& folder, 
 
 std::unique_ptr<camera_driver::ImageSource> open(const std::filesystem::path& folder) {
   camera_driver::OpenedSource opened = camera_driver::open_recording(folder.string(), {});
-  EXPECT_EQ(opened.error, "");
-  return std::move(opened.source);
+  EXPECT_EQ(opened.error_text(), "");
+  return std::move(*opened);
 }
 
 map_server::Atlas atlas_of(Submap submap, int64_t stream) {
@@ -113,7 +114,7 @@ TEST(LandmarkColours, AreInTheFilesOfAMap) {
   const TemporaryFolder folder;
   const map_server::Atlas atlas = atlas_of(make_test_submap(kKeyframes, kLandmarks), 7);
   const auto first_colour = [&](const map_server::LandmarkColours& colours) {
-    EXPECT_EQ(write_ply(atlas, folder / "map.ply", colours), "");
+    EXPECT_EQ(write_ply(atlas, folder / "map.ply", colours).error_text(), "");
     const std::string text = testing::read_file(folder / "map.ply");
     const char* vertex = text.data() + text.find("end_header\n") + 11;
     const auto byte = [vertex](int i) { return static_cast<uint8_t>(vertex[12 + i]); };

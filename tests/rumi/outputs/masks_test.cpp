@@ -24,7 +24,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// Of images of 64 x 48 pixels: the lowest `rows` never move.
+// Returns a mask for images of 64 x 48 pixels that leaves out the lowest `rows`.
 StillMask make_mask(int64_t session, int rows) {
   cv::Mat pixels(48, 64, CV_8U, cv::Scalar(255));
   pixels.rowRange(48 - rows, 48) = 0;
@@ -83,7 +83,7 @@ TEST_F(MasksOfARun, AreWrittenAsLargeAsTheImages) {
   ASSERT_EQ(mask.size(), cv::Size(128, 96));
   EXPECT_EQ(cv::countNonZero(mask.rowRange(0, 70)), 128 * 70);
   EXPECT_EQ(cv::countNonZero(mask.rowRange(72, 96)), 0);
-  // Of another shape: of another camera.
+  // Images of another shape are of another camera, so the mask is not scaled.
   EXPECT_THAT(write_masks({{5, make_mask(7, 12)}}, folder(), {128, 64}), IsEmpty());
   EXPECT_EQ(read("mask.png").size(), cv::Size(64, 48));
 }
@@ -111,7 +111,7 @@ TEST_F(MasksOfARun, AreAmongItsOutputs) {
 
 TEST_F(MasksOfARun, OfSomebodyAreNotOverwritten) {
   std::ofstream(folder_.path() / "mask.png") << "the only copy";
-  EXPECT_THAT(check_output_folder(folder()), HasSubstr("mask.png would be overwritten"));
+  EXPECT_THAT(check_output_folder(folder()).error_text(), HasSubstr("mask.png would be overwritten"));
 }
 
 TEST_F(MasksOfARun, DoNotReplaceTheOneThatIsUsed) {
@@ -120,15 +120,15 @@ TEST_F(MasksOfARun, DoNotReplaceTheOneThatIsUsed) {
   fs::create_directory(recording);
   for (const std::string& name : {out + "/mask.png", out + "/mine.png", recording + "/mask.png"})
     std::ofstream{name} << "edited";
-  EXPECT_THAT(check_mask_stays(out + "/mask.png", recording, out), HasSubstr("another name"));
-  EXPECT_THAT(check_mask_stays(out + "/../out/mask.png", recording, out), HasSubstr("another name"));
-  EXPECT_EQ(check_mask_stays(out + "/mine.png", recording, out), "");
-  EXPECT_EQ(check_mask_stays("", recording, out), "");
-  EXPECT_EQ(check_mask_stays("none", recording, out), "");
-  EXPECT_EQ(check_mask_stays("", "", out), "");
-  EXPECT_THAT(check_mask_stays("", recording, recording), HasSubstr("another folder"));
+  EXPECT_THAT(check_mask_stays(out + "/mask.png", recording, out).error_text(), HasSubstr("another name"));
+  EXPECT_THAT(check_mask_stays(out + "/../out/mask.png", recording, out).error_text(), HasSubstr("another name"));
+  EXPECT_EQ(check_mask_stays(out + "/mine.png", recording, out).error_text(), "");
+  EXPECT_EQ(check_mask_stays("", recording, out).error_text(), "");
+  EXPECT_EQ(check_mask_stays("none", recording, out).error_text(), "");
+  EXPECT_EQ(check_mask_stays("", "", out).error_text(), "");
+  EXPECT_THAT(check_mask_stays("", recording, recording).error_text(), HasSubstr("another folder"));
   std::ofstream(recording + "/rgb.txt") << "";
-  EXPECT_THAT(check_mask_stays("", recording + "/rgb.txt", recording), HasSubstr("another folder"));
+  EXPECT_THAT(check_mask_stays("", recording + "/rgb.txt", recording).error_text(), HasSubstr("another folder"));
 }
 
 }  // namespace

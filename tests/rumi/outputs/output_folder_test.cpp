@@ -8,6 +8,7 @@
 #include "rumi/outputs/map_file.h"
 #include "rumi/outputs/output_folder.h"
 #include "rumi/outputs/run_summary.h"
+#include "tests/map_server/place_map.h"
 #include "tests/rumi/small_atlas.h"
 #include "tests/support/temporary_folder.h"
 
@@ -31,10 +32,10 @@ nlohmann::json read_json(const fs::path& file) {
 TEST(OutputFolder, IsMadeAndMarkedAsOurs) {
   const testing::TemporaryFolder temporary;
   const fs::path folder = temporary.path() / "deep" / "er";
-  EXPECT_EQ(prepare_output_folder(folder.string()), "");
+  EXPECT_EQ(prepare_output_folder(folder.string()).error_text(), "");
   EXPECT_EQ(read_json(folder / "run.json")["program"], "rumi");
   EXPECT_EQ(read_json(folder / "run.json")["finished"], false);
-  EXPECT_EQ(prepare_output_folder(folder.string()), "") << "of an earlier run";
+  EXPECT_EQ(prepare_output_folder(folder.string()).error_text(), "") << "of an earlier run";
 }
 
 TEST(OutputFolder, NamesThatAreNoUtf8AreInRunJson) {
@@ -42,7 +43,8 @@ TEST(OutputFolder, NamesThatAreNoUtf8AreInRunJson) {
   const fs::path& folder = temporary.path();
   EXPECT_EQ(write_run_json(folder.string(), {{"input",
                                               "K\xfc"
-                                              "che"}}),
+                                              "che"}})
+                .error_text(),
             "");
   EXPECT_EQ(read_json(folder / "run.json")["input"],
             "K\xef\xbf\xbd"
@@ -55,7 +57,7 @@ TEST(OutputFolder, OptionsThatAreNoUtf8AreInRunJson) {
   const auto options = options_to_json(
       "camera_driver:\n  camera_file: \"K\xfc"
       "che.yaml\"\n");
-  EXPECT_EQ(write_run_json(folder.string(), {{"options", options}}), "");
+  EXPECT_EQ(write_run_json(folder.string(), {{"options", options}}).error_text(), "");
   EXPECT_EQ(read_json(folder / "run.json")["options"]["camera_driver"]["camera_file"],
             "K\xef\xbf\xbd"
             "che.yaml");
@@ -70,20 +72,21 @@ TEST(OutputFolder, TheMapThatIsReadIsNotReplaced) {
   fs::create_symlink(database, folder / "link.db");
   for (const fs::path& name : {folder / "map.db", folder / "." / "map.db", folder / "other_name" / "map.db",
                                folder / "link.db", fs::relative(folder / "map.db")})
-    EXPECT_THAT(check_map_stays(name.string(), folder.string()), HasSubstr("choose another folder")) << name;
-  EXPECT_EQ(check_map_stays(database, (folder / "out").string()), "");
-  EXPECT_EQ(check_map_stays((folder / "other.db").string(), folder.string()), "");
+    EXPECT_THAT(check_map_stays(name.string(), folder.string()).error_text(), HasSubstr("choose another folder"))
+        << name;
+  EXPECT_EQ(check_map_stays(database, (folder / "out").string()).error_text(), "");
+  EXPECT_EQ(check_map_stays((folder / "other.db").string(), folder.string()).error_text(), "");
 }
 
 TEST(OutputFolder, WhereAMapServerHasItsMapIsRefused) {
   const testing::TemporaryFolder temporary;
   const fs::path& folder = temporary.path();
-  ASSERT_EQ(prepare_output_folder(folder.string()), "");
+  ASSERT_EQ(prepare_output_folder(folder.string()).error_text(), "");
   {
-    const map_server::MapStore store((folder / "map.db").string());
-    EXPECT_THAT(check_output_folder(folder.string()), HasSubstr("has the map open"));
+    const map_server::MapStore store = map_server::MapStore::open((folder / "map.db").string()).value();
+    EXPECT_THAT(check_output_folder(folder.string()).error_text(), HasSubstr("has the map open"));
   }
-  EXPECT_EQ(check_output_folder(folder.string()), "");
+  EXPECT_EQ(check_output_folder(folder.string()).error_text(), "");
 }
 
 TEST(OutputFolder, OtherFilesAreLeftAlone) {
@@ -93,7 +96,7 @@ TEST(OutputFolder, OtherFilesAreLeftAlone) {
   fs::create_directories(folder / "windows");
   for (const char* name : {"log.txt", "map.db.old", "submaps/notes.txt", "windows/kitchen.png"})
     std::ofstream(folder / name) << "somebody's work\n";
-  EXPECT_EQ(prepare_output_folder(folder.string()), "");
+  EXPECT_EQ(prepare_output_folder(folder.string()).error_text(), "");
   EXPECT_EQ(read_json(folder / "run.json")["program"], "rumi");
   EXPECT_TRUE(fs::exists(folder / "log.txt"));
 }
@@ -107,7 +110,7 @@ TEST(OutputFolder, IsRefusedForWhatWouldBeOverwritten) {
     fs::create_directories((folder / name).parent_path());
     std::ofstream(folder / name) << "somebody's work\n";
     std::ofstream(folder / "log.txt") << "and more of it\n";
-    const std::string error = prepare_output_folder(folder.string());
+    const std::string error = prepare_output_folder(folder.string()).error_text();
     EXPECT_THAT(error, AllOf(HasSubstr(std::string(name) + " would be overwritten"), Not(HasSubstr("log.txt"))));
     EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2) << "nothing was added";
   }
@@ -119,7 +122,7 @@ TEST(OutputFolder, NamesSomeOfTheFilesThatItIsRefusedFor) {
   for (const char* name : {"trajectory.txt", "map.db", "map.ply", "frames.csv", "windows.csv"})
     std::ofstream(folder / name) << "somebody's work\n";
   std::ofstream(folder / "run.json") << "{\"program\": \"of somebody else\"}";
-  EXPECT_THAT(prepare_output_folder(folder.string()),
+  EXPECT_THAT(prepare_output_folder(folder.string()).error_text(),
               HasSubstr("frames.csv, map.db, map.ply and 3 more would be overwritten"));
 }
 
@@ -127,9 +130,11 @@ TEST(OutputFolder, SaysWhyItCannotBeMade) {
   const testing::TemporaryFolder temporary;
   const fs::path& folder = temporary.path();
   std::ofstream(folder / "file") << "x";
-  EXPECT_THAT(prepare_output_folder((folder / "file").string()), HasSubstr("file: cannot be made a folder"));
-  EXPECT_THAT(prepare_output_folder((folder / "file" / "below").string()), HasSubstr("cannot be made a folder"));
-  EXPECT_NE(prepare_output_folder("/proc/no_such_thing"), "") << "nobody can write there, not even root";
+  EXPECT_THAT(prepare_output_folder((folder / "file").string()).error_text(),
+              HasSubstr("file: cannot be made a folder"));
+  EXPECT_THAT(prepare_output_folder((folder / "file" / "below").string()).error_text(),
+              HasSubstr("cannot be made a folder"));
+  EXPECT_NE(prepare_output_folder("/proc/no_such_thing").error_text(), "") << "nobody can write there, not even root";
 }
 
 TEST(RunJson, OptionsKeepTheirTypes) {
@@ -149,26 +154,26 @@ class MapFileTest : public ::testing::Test {
 };
 
 TEST_F(MapFileTest, IsReadWhileAMapServerHasItOpenAndStaysUntouched) {
-  map_server::MapStore store(file_);
+  map_server::MapStore store = map_server::MapStore::open(file_).value();
   const map_server::Atlas atlas = make_test_atlas();
-  ASSERT_EQ(store.save(atlas, {{1'000'000}, {1'400'000}}), "");
+  ASSERT_EQ(store.save(atlas, {{1'000'000}, {1'400'000}}).error_text(), "");
   const map_server::Atlas loaded = load_map(file_);
   ASSERT_EQ(loaded.submaps().size(), 1u);
   EXPECT_EQ(loaded.submaps().begin()->second.submap.keyframes.size(), 4u);
   EXPECT_EQ(loaded.frames_in_map(), 4);
-  // The server goes on as if nothing had happened.
+  // The server can still save.
   map_server::Atlas more = make_test_atlas();
-  EXPECT_EQ(store.save(more, {ImageId{1'100'000}}), "");
+  EXPECT_EQ(store.save(more, {ImageId{1'100'000}}).error_text(), "");
 }
 
 TEST_F(MapFileTest, NothingIsLeftBesideTheFile) {
-  { ASSERT_EQ(map_server::MapStore(file_).save(make_test_atlas(), {}), ""); }
+  { ASSERT_EQ(map_server::MapStore::open(file_).value().save(make_test_atlas(), {}).error_text(), ""); }
   load_map(file_);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
 }
 
 TEST_F(MapFileTest, ABusyFileIsSaidToBeBusy) {
-  { ASSERT_EQ(map_server::MapStore(file_).save(make_test_atlas(), {}), ""); }
+  { ASSERT_EQ(map_server::MapStore::open(file_).value().save(make_test_atlas(), {}).error_text(), ""); }
   Database holder(file_);
   holder.execute("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE");
   EXPECT_THAT([&] { load_map(file_, std::chrono::milliseconds(5)); },
@@ -200,13 +205,13 @@ TEST_F(MapFileTest, PicturesShowWhatIsInTheMapWhereItLies) {
   map_server::Atlas atlas = make_test_atlas();
   Submap other = make_test_submap();
   other.key = {1, 2};
-  atlas.change_submap(other.key, [&](Submap* submap) {
+  EXPECT_TRUE(atlas.change_submap(other.key, [&](Submap* submap) {
     *submap = other;
-    return std::string();
-  });
+    return Result<>();
+  }));
   map_server::Placement placement;
   placement.map_from_submap[0] = Sim3(2, Eigen::Quaterniond::Identity(), {10, 0, 0});
-  atlas.place_map({{{1, 1}, placement}});
+  testing::place_map(&atlas, {{{1, 1}, placement}});
   const AtlasPicture shown = make_picture(atlas, "title");
   ASSERT_EQ(shown.picture.submaps.size(), 2u);
   EXPECT_TRUE(shown.picture.submaps[0].in_map);
@@ -226,16 +231,16 @@ TEST(DescribeProgress, TellsTheTimeLeftWhereTheEndIsKnown) {
 TEST(LeftOut, NothingOfAMapOfAllFrames) {
   map_server::Atlas atlas;
   const Submap submap = make_test_submap();
-  atlas.change_submap(submap.key, [&](Submap* target) {
+  EXPECT_TRUE(atlas.change_submap(submap.key, [&](Submap* target) {
     *target = submap;
-    return std::string();
-  });
+    return Result<>();
+  }));
   EXPECT_TRUE(left_out(atlas).empty());
   EXPECT_TRUE(left_out(map_server::Atlas()).empty());
 }
 
 TEST(LeftOut, FramesWithoutAPoseByWhereTheyAre) {
-  map_server::Atlas atlas = make_test_atlas();  // from 1.0 to 1.3 s, and one at the end that was lost
+  map_server::Atlas atlas = make_test_atlas();  // has poses from 1.0 to 1.3 s, and then a lost frame
   for (const int64_t utime_us : {700'000, 800'000, 1'140'000, 1'160'000, 1'250'000})
     atlas.record_frame({utime_us}, {1, TrackingState::kNotInitialized, kNoSubmap});
   EXPECT_THAT(left_out(atlas), ElementsAre("6 frames have no pose: 2 before the first submap, 3 in 2 gaps (the longest "
@@ -253,15 +258,15 @@ TEST(LeftOut, SubmapsThatAreNotInTheMapAndWhy) {
       frames[frame.utime_us] = frame;
     }
     other.frames = frames;
-    atlas.change_submap(other.key, [&](Submap* submap) {
+    EXPECT_TRUE(atlas.change_submap(other.key, [&](Submap* submap) {
       *submap = other;
-      return std::string();
-    });
+      return Result<>();
+    }));
   }
   const auto link = [](int a, int b, const std::string& doubt) {
     return map_server::Link{.a = {1, a}, .b = {1, b}, .doubt = doubt};
   };
-  atlas.set_links({link(1, 2, "3 of 10 shared keyframes agree"), link(3, 4, "")});
+  EXPECT_TRUE(atlas.set_links({link(1, 2, "3 of 10 shared keyframes agree"), link(3, 4, "")}));
   EXPECT_THAT(left_out(atlas),
               ElementsAre("1 frame has no pose: 1 in a gap (19.60 s, from 0.40 s on)"s,
                           "3 frames of submap 2: its link to submap 1 is refused: 3 of 10 shared keyframes agree"s,

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/output_files.h"
 #include "rumi/outputs/map_file.h"
 #include "rumi/outputs/run_record.h"
 #include "tests/rumi/small_atlas.h"
@@ -25,7 +25,7 @@ TEST(ReservedSpace, ARunIsRefusedWhereNotEvenItsTablesFit) {
   const std::string disk = folder.path().string();
   const int result = rumi::testing::run_on_small_disk(disk, 600'000, [&] {
     ReservedSpace space;
-    const std::string problem = space.take(disk, 90);
+    const std::string problem = space.take(disk, 90).error_text();
     return problem.find(disk + ": its disk has 0.6 MB free") != 0 ||
            problem.find("choose another folder") == std::string::npos;
   });
@@ -38,7 +38,7 @@ TEST(ReservedSpace, IsThereAtTheEndWhateverFilledTheDiskMeanwhile) {
   const std::string disk = folder.path().string();
   const int result = rumi::testing::run_on_small_disk(disk, 3'000'000, [&] {
     ReservedSpace space;
-    if (!space.take(disk, 90).empty()) return 1;
+    if (!space.take(disk, 90)) return 1;
     rumi::testing::write_file(disk + "/log", std::string(4'000'000, 'x'));
     if (fs::space(disk).available > 0) return 2;
     space.release();
@@ -52,7 +52,7 @@ TEST(ReservedSpace, IsThereAtTheEndWhateverFilledTheDiskMeanwhile) {
 TEST(ReservedSpace, LeavesNoFile) {
   const TemporaryFolder folder;
   ReservedSpace space;
-  EXPECT_EQ(space.take(folder.path().string(), -1), "");
+  EXPECT_EQ(space.take(folder.path().string(), -1).error_text(), "");
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 

@@ -18,12 +18,12 @@ using ::testing::Not;
 
 class RunPicture : public ::testing::Test {
  protected:
-  // Draws with a program that does this.
+  // Draws with a program that runs this script. Returns the error.
   std::string draw(const std::string& script) {
     const std::string program = folder_ / "program";
     std::ofstream(program) << "#!/bin/sh\n" << script << "\n";
     fs::permissions(program, fs::perms::owner_all);
-    return draw_run_picture(folder_.path().string(), program);
+    return draw_run_picture(folder_.path().string(), program).error_text();
   }
   const testing::TemporaryFolder folder_;
 };
@@ -40,7 +40,7 @@ TEST_F(RunPicture, WhyThereIsNoneIsOneSentence) {
                     Not(HasSubstr("noise")), Not(HasSubstr("rumi view"))));
   EXPECT_FALSE(fs::exists(folder_ / "trajectory.png"));
   EXPECT_THAT(draw("kill -ABRT $$"), HasSubstr("drawing it killed by signal 6"));
-  EXPECT_THAT(draw_run_picture(folder_.path().string(), "/no/such/program"), HasSubstr("No such file"));
+  EXPECT_THAT(draw_run_picture(folder_.path().string(), "/no/such/program").error_text(), HasSubstr("No such file"));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// As a live bus: time passes while it is waited for messages, and the others go on meanwhile.
+// Behaves like a live bus: dispatch() takes time, in which the other processes work.
 class LivingBus : public MemoryBus {
  public:
   LivingBus() { set_now_us(1'000'000); }
@@ -32,8 +32,8 @@ class SnapshotTest : public ::testing::Test {
  protected:
   SnapshotTest() {
     options_.database = folder_ / "map.db";
-    options_.merge.thread = false;  // what the bus's clock does not wait for
-    map_server::MapStore(options_.database).save(make_test_atlas(), {ImageId{1'400'000}});
+    options_.merge.thread = false;  // a thread would not keep to the clock of the bus
+    EXPECT_TRUE(map_server::MapStore::open(options_.database).value().save(make_test_atlas(), {ImageId{1'400'000}}));
   }
   void serve() {
     server_ = std::make_unique<map_server::MapServerNode>(bus_, options_);
@@ -52,12 +52,12 @@ class SnapshotTest : public ::testing::Test {
 
 TEST_F(SnapshotTest, BringsTheDatabaseAndTheStatusOfTheProcesses) {
   serve();
-  const SnapshotResult result = request_snapshot(bus_, 10, 1.5);
-  ASSERT_EQ(result.error, "");
-  ASSERT_TRUE(result.processes.count("map_server"));
+  const Result<Snapshot> result = request_snapshot(bus_, 10, 1.5);
+  ASSERT_EQ(result.error_text(), "");
+  ASSERT_TRUE(result->processes.count("map_server"));
   const std::string copy = options_.database + ".copy";
   std::string copy_problem;
-  const map_server::Atlas atlas = load_map_bytes(result.database, copy, &copy_problem);
+  const map_server::Atlas atlas = load_map_bytes(result->database, copy, &copy_problem);
   EXPECT_EQ(copy_problem, "");
   EXPECT_EQ(atlas.frames_in_map(), 4);
   EXPECT_EQ(load_map(copy).frames_in_map(), 4);
@@ -67,24 +67,24 @@ TEST_F(SnapshotTest, SurvivesALossyBus) {
   serve();
   int messages = 0;
   bus_.set_tap([&](const std::string&, std::span<const uint8_t>) { return ++messages % 3 != 0; });
-  const SnapshotResult result = request_snapshot(bus_, 10, 0);
-  ASSERT_EQ(result.error, "");
+  const Result<Snapshot> result = request_snapshot(bus_, 10, 0);
+  ASSERT_EQ(result.error_text(), "");
   std::string copy_problem;
-  EXPECT_EQ(load_map_bytes(result.database, options_.database + ".copy", &copy_problem).frames_in_map(), 4);
+  EXPECT_EQ(load_map_bytes(result->database, options_.database + ".copy", &copy_problem).frames_in_map(), 4);
   EXPECT_EQ(copy_problem, "");
 }
 
 TEST_F(SnapshotTest, AMapThatCannotBeCopiedIsStillThere) {
   serve();
-  const SnapshotResult result = request_snapshot(bus_, 10, 0);
+  const Result<Snapshot> result = request_snapshot(bus_, 10, 0);
   std::string copy_problem;
-  EXPECT_EQ(load_map_bytes(result.database, "/nowhere/map.db", &copy_problem).frames_in_map(), 4);
+  EXPECT_EQ(load_map_bytes(result->database, "/nowhere/map.db", &copy_problem).frames_in_map(), 4);
   EXPECT_THAT(copy_problem, HasSubstr("/nowhere/map.db"));
 }
 
 TEST_F(SnapshotTest, SaysThatNobodyAnswers) {
   const int64_t begin_us = bus_.now_us();
-  EXPECT_THAT(request_snapshot(bus_, 3, 0).error, HasSubstr("no map_server answered within 3 s"));
+  EXPECT_THAT(request_snapshot(bus_, 3, 0).error_text(), HasSubstr("no map_server answered within 3 s"));
   EXPECT_NEAR(static_cast<double>(bus_.now_us() - begin_us) * 1e-6, 3.0, 0.1);
 }
 
@@ -92,11 +92,10 @@ TEST_F(SnapshotTest, SaysThatTheServerWentAwayInTheMiddle) {
   serve();
   int chunks = 0;
   bus_.set_tap([&](const std::string& channel, std::span<const uint8_t>) {
-    return channel != channels::kMapChunk || ++chunks <= 1;  // the first piece arrives, then nothing more
+    return channel != channels::kMapChunk || ++chunks <= 1;  // the first piece arrives, and no other
   });
-  const SnapshotResult result = request_snapshot(bus_, 3, 0);
-  EXPECT_THAT(result.error, HasSubstr("stopped coming after 1 of"));
-  EXPECT_TRUE(result.database.empty());
+  const Result<Snapshot> result = request_snapshot(bus_, 3, 0);
+  EXPECT_THAT(result.error_text(), HasSubstr("stopped coming after 1 of"));
 }
 
 }  // namespace

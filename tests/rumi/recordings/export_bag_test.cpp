@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bags that are written, read back. What others read of them: bag_by_rosbag_test.sh.
+// Writes bags and reads them back. bag_by_rosbag_test.sh reads them with other programs.
 #include "rumi/recordings/export_bag.h"
 
 #include <gmock/gmock.h>
@@ -31,11 +31,11 @@ struct Played {
 
 Played play(const std::string& recording, const CameraOptions& options = {}) {
   const OpenedSource opened = camera_driver::open_recording(recording, options);
-  EXPECT_EQ(opened.error, "");
+  EXPECT_EQ(opened.error_text(), "");
   Played played;
-  while (std::optional<image_t> image = opened.ok() ? opened.source->next() : std::nullopt)
+  while (std::optional<image_t> image = opened.has_value() ? (*opened)->next() : std::nullopt)
     played.images.push_back(std::move(*image));
-  if (opened.ok()) played.camera = opened.source->camera();
+  if (opened.has_value()) played.camera = (*opened)->camera();
   return played;
 }
 
@@ -64,7 +64,7 @@ class ExportBag : public ::testing::TestWithParam<const char*> {
       EXPECT_TRUE(before.images[i].data == after.images[i].data) << i;
     }
     Camera camera = before.camera;
-    camera.fps = 0;  // a camera_info has none
+    camera.fps = 0;  // a camera_info has no frame rate
     EXPECT_EQ(camera_to_yaml(camera), camera_to_yaml(after.camera));
   }
   static std::string poses(double first_s) {
@@ -115,7 +115,7 @@ TEST_P(ExportBag, OfSeveralChunksIsReadBack) {
   EXPECT_TRUE(after.images[11].data == play(folder_ / "data", large).images[11].data);
 }
 
-// Damage costs what is in one chunk.
+// The chunks are small, because damage costs all messages of a chunk.
 TEST_P(ExportBag, HasSmallChunks) {
   ExportOptions these = options();
   these.camera.camera_file =
@@ -127,7 +127,7 @@ TEST_P(ExportBag, HasSmallChunks) {
     bytes_in_chunk[message.place.chunk] += message.place.bytes;
     return true;
   });
-  if (GetParam() == std::string(".bag")) return;  // its chunks are not compressed, so they are not told apart
+  if (GetParam() == std::string(".bag")) return;  // its chunks are not compressed and look like one
   EXPECT_EQ(bytes_in_chunk.size(), 2u);
   for (const auto& [chunk, bytes] : bytes_in_chunk) EXPECT_LT(bytes, 1'000'000);
 }
@@ -146,7 +146,7 @@ TEST_P(ExportBag, HasThePosesOfARun) {
   EXPECT_EQ(read.poses[4].map_from_cam.rotation.coeffs(), Eigen::Vector4d::Constant(0.5));
 }
 
-// Those of the run's messages that no reader of ours takes: their topics and types.
+// The bag also has messages that our own reader does not use. Their topics and types are tested.
 TEST_P(ExportBag, HasPosesForOthersToo) {
   ExportOptions with_poses = options();
   with_poses.poses = folder_.write("poses.txt", poses(1000));

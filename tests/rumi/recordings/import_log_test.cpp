@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bags as folders; lcm logs are in tests/camera_driver/camera_node_test.cpp.
+// Imports bags. Importing lcm logs is tested in tests/camera_driver/camera_node_test.cpp.
 #include "rumi/recordings/import_log.h"
 
 #include <gmock/gmock.h>

@@ -30,7 +30,7 @@ TEST_F(TruthOfRecording, OfEurocIsTheStateEstimate) {
   for (const fs::path& given :
        {euroc, euroc.parent_path(), euroc / "mav0", euroc / "mav0/cam0", euroc / "mav0/cam0/data"})
     EXPECT_EQ(found(given), euroc / "mav0/state_groundtruth_estimate0/data.csv") << given;
-  // The bag lies in the folder of the sequence.
+  // The bag is in the folder of the sequence.
   write_file(euroc / "MH_01_easy.bag", "#ROSBAG V2.0\n");
   EXPECT_EQ(found(euroc / "MH_01_easy.bag"), euroc / "mav0/state_groundtruth_estimate0/data.csv");
   const TruthFile truth = read_truth(found(euroc), {});
@@ -59,7 +59,7 @@ TEST_F(TruthOfRecording, ThatIsNotThereIsToldOf) {
   write_tum(folder_ / "walk", 2);
   EXPECT_THAT(find_truth(folder_ / "walk").error, HasSubstr("there is no truth beside"));
   EXPECT_THAT(find_truth(folder_ / "gone").error, HasSubstr("is no longer there"));
-  // That of another recording beside it is not its own.
+  // A truth beside the folder may be that of another recording, so it is not taken.
   folder_.write("groundtruth.txt", "1 0 0 0 0 0 0 1\n");
   EXPECT_EQ(found(folder_ / "walk"), "");
 }

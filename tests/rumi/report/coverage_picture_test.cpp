@@ -18,7 +18,7 @@ class CoveragePicture : public ::testing::Test {
         scene_.render(scene_.pose({x * camera_.width, 0.5 * camera_.height}, 40, tilt_x, 0, 0.1), {}, 1);
     EXPECT_TRUE(collector_.add(make_grey_image(++utime_us_, image), "an image"));
   }
-  // Pixels that are blue, as corners and views are, in a part of the picture.
+  // Returns the number of blue pixels in a part of the picture. Corners and the circles of views are blue.
   static int blue(const cv::Mat& picture, const cv::Rect& part) {
     cv::Mat mask;
     cv::inRange(picture(part), cv::Scalar(150, 50, 0), cv::Scalar(210, 120, 60), mask);
@@ -35,7 +35,7 @@ class CoveragePicture : public ::testing::Test {
   int64_t utime_us_ = 0;
 };
 
-// The image is drawn 640 x 480 at (24, 64), the tilts at (754, 64), 420 x 420.
+// The image is drawn with 640 x 480 pixels at (24, 64), the tilts with 420 x 420 pixels at (754, 64).
 const cv::Rect kLeft(24, 64, 160, 480), kRight(344, 64, 320, 480), kTilts(754, 64, 420, 420);
 const cv::Rect kTiltNotes(754, 512, 420, 50);
 const cv::Rect kTurned(754, 64, 100, 420);
@@ -73,7 +73,7 @@ TEST_F(CoveragePicture, ItsWordsNeedNoColumns) {
 }
 
 TEST_F(CoveragePicture, WithoutABoardEverythingIsMissing) {
-  const cv::Mat wall(1200, 300, CV_8U, cv::Scalar(90));  // upright
+  const cv::Mat wall(1200, 300, CV_8U, cv::Scalar(90));  // in portrait format
   ASSERT_TRUE(collector_.add(make_grey_image(1, wall), "an image"));
   const cv::Mat picture = draw_coverage(collector_);
   EXPECT_EQ(blue(picture, cv::Rect(cv::Point(), picture.size())), 0);

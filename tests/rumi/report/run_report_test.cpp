@@ -80,19 +80,19 @@ ruminator::WindowJob test_window() {
 }
 
 void put(const Submap& submap, map_server::Atlas* atlas) {
-  atlas->change_submap(submap.key, [&](Submap* there) {
+  EXPECT_TRUE(atlas->change_submap(submap.key, [&](Submap* there) {
     *there = submap;
-    return std::string();
-  });
+    return Result<>();
+  }));
 }
 
 TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
   map_server::Atlas atlas = make_test_atlas();
   EXPECT_TRUE(match_history(atlas, 4).empty());
-  Submap back = make_test_submap(3);  // without the last of the four keyframes
+  Submap back = make_test_submap(3);  // lacks the last of the four keyframes
   back.key = {1, -1};
   back.kind = SubmapKind::kBack;
-  for (auto& [id, landmark] : back.landmarks) landmark.position *= 2;  // in a unit of its own
+  for (auto& [id, landmark] : back.landmarks) landmark.position *= 2;  // the back submap has a unit of its own
   for (auto& [id, keyframe] : back.keyframes) keyframe.cam_from_submap.translation *= 2;
   put(back, &atlas);
   const auto link = [](double scale) {
@@ -101,7 +101,7 @@ TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
                             .kind = map_server::Link::Kind::kSameImages,
                             .b_from_a = Sim3(scale, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero())};
   };
-  atlas.set_links({link(0.5)});
+  EXPECT_TRUE(atlas.set_links({link(0.5)}));
   MatchHistory history = match_history(atlas, 4);
   EXPECT_TRUE(history.front.empty());
   ASSERT_EQ(history.back.size(), 3u);
@@ -114,8 +114,9 @@ TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
   EXPECT_EQ(history.first_us, 1'000'000);
   EXPECT_EQ(history.last_us, 1'400'000);
   EXPECT_EQ(draw_matches(history).size(), cv::Size(1000, 360));
-  // A submap that is wrong has as much in common with others, but nothing agrees. The first camera is at the origin.
-  atlas.set_links({link(1)});
+  // A wrong link changes nothing in how many features match, but most of them do not agree. (Those of the first camera
+  // do, because it is at the origin, where the scale does not matter.)
+  EXPECT_TRUE(atlas.set_links({link(1)}));
   history = match_history(atlas, 4);
   EXPECT_EQ(history.back.at(1'200'000).matched, 20);
   EXPECT_LT(history.back.at(1'200'000).verified, 20);
@@ -128,26 +129,29 @@ TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
   EXPECT_EQ(history.back.at(1'200'000).matched, 40) << "of two pairs";
 }
 
-// The folder of a run of two submaps, one of which was refused.
+// Makes the folder of a run with two submaps, one of which is not in the map.
 class ReportTest : public ::testing::Test {
  protected:
   ReportTest() {
     Submap other = make_test_submap();
     other.key = {1, 2};
-    atlas_.change_submap(other.key, [&](Submap* submap) {
+    EXPECT_TRUE(atlas_.change_submap(other.key, [&](Submap* submap) {
       *submap = other;
-      return std::string();
-    });
-    atlas_.set_links({{.a = {1, 1}, .b = {1, 2}, .landmarks = 7, .doubt = "a <reason> to refuse"}});
+      return Result<>();
+    }));
+    EXPECT_TRUE(atlas_.set_links({{.a = {1, 1}, .b = {1, 2}, .landmarks = 7, .doubt = "a <reason> to refuse"}}));
     EXPECT_THAT(write_run_outputs(atlas_, folder_.string()), IsEmpty());
     std::vector<ImageId> images;
     for (const auto& [image, frame] : atlas_.frames()) images.push_back(image);
-    EXPECT_EQ(map_server::MapStore((folder_ / "map.db").string()).save(atlas_, images), "");
+    EXPECT_EQ(map_server::MapStore::open((folder_ / "map.db").string()).value().save(atlas_, images).error_text(), "");
     write_run({{"finished", true}, {"input", "a <recording>"}, {"cpu_ms_per_frame", {{"front_tracker", 12.5}}}});
     fs::create_directory(folder_ / "windows");
-    EXPECT_EQ(ruminator::write_window_job((folder_ / "windows" / "1-1.window").string(), test_window()), "");
+    EXPECT_EQ(ruminator::write_window_job((folder_ / "windows" / "1-1.window").string(), test_window()).error_text(),
+              "");
   }
-  void write_run(const nlohmann::ordered_json& run) { EXPECT_EQ(write_run_json(folder_.string(), run), ""); }
+  void write_run(const nlohmann::ordered_json& run) {
+    EXPECT_EQ(write_run_json(folder_.string(), run).error_text(), "");
+  }
 
   const testing::TemporaryFolder temporary_;
   const fs::path folder_ = temporary_.path();
@@ -168,7 +172,7 @@ TEST_F(ReportTest, IsOneFileWithAllSections) {
   EXPECT_THAT(html, HasSubstr("<td>between front submaps alone</td><td>4</td><td>80</td><td>80</td>"));
 }
 
-// The window's images name no stream: theirs is the session.
+// The images of the window name no stream, so they belong to the stream with the number of their session, 1.
 TEST_F(ReportTest, DrawsWhatNeverMovesOverAnImageOfTheCamera) {
   EXPECT_THAT(make_report(folder_.string()), Not(HasSubstr("<h2>Masks</h2>")));
   cv::Mat pixels(48, 64, CV_8U, cv::Scalar(255));
@@ -177,7 +181,7 @@ TEST_F(ReportTest, DrawsWhatNeverMovesOverAnImageOfTheCamera) {
     atlas_.record_mask(
         stream,
         {.session = 1, .utime_us = 1'000'000, .width = 64, .height = 48, .left_out = 0.25, .png = encode_mask(pixels)});
-  ASSERT_EQ(map_server::MapStore((folder_ / "map.db").string()).save(atlas_, {}), "");
+  ASSERT_EQ(map_server::MapStore::open((folder_ / "map.db").string()).value().save(atlas_, {}).error_text(), "");
   const std::string html = make_report(folder_.string());
   EXPECT_THAT(html, HasSubstr("<h2>Masks</h2>"));
   EXPECT_THAT(html, HasSubstr("25 % of the image of stream 1 never moves"));
@@ -246,20 +250,18 @@ TEST_F(ReportTest, ShowsTheLoadOfALiveRun) {
   process_status_t status{};
   for (int i = 0; i < 5; ++i) {
     status.process = "map_server";
-    status.pid = i < 3 ? 7 : 8;  // it was started again
+    status.pid = i < 3 ? 7 : 8;  // it was restarted
     status.utime = 2'000'000'000 + i * 1'000'000;
     status.cpu_s = i < 3 ? 0.25 * i : 0.5 * i;
     status.rss_bytes = 50'000'000 + i;
     writer.write(status.utime, channels::kStatus, encode_message(status));
     writer.write(status.utime, channels::kStatus, std::vector<uint8_t>{1, 2, 3});
   }
-  status.utime += 1000;  // the last one, when it ends
+  status.utime += 1000;  // the last status, from the end of the process
   status.cpu_s += 0.1;
   writer.write(status.utime, channels::kStatus, encode_message(status));
   ASSERT_TRUE(writer.close());
-  std::string error;
-  const ProcessLoad load = read_process_load(log, &error);
-  EXPECT_EQ(error, "");
+  const ProcessLoad load = read_process_load(log).value();
   using Point = std::pair<double, double>;
   EXPECT_THAT(load.cpu_percent.at("map_server"), ::testing::ElementsAre(Point(1, 25), Point(2, 25), Point(4, 50)));
   EXPECT_EQ(load.memory_mb.at("map_server").size(), 6u);

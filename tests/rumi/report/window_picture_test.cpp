@@ -22,8 +22,8 @@ using ::testing::HasSubstr;
 
 constexpr int64_t kBegin = 1'700'000'000'000'000, kPeriod = 100'000;
 
-// A log of 100 frames: tracked in submap 1, without a pose from 40 to 59 (55 and later got theirs afterwards), then
-// tracked in submap 2. The poses of 38 and 39 were withdrawn.
+// Makes a log of 100 frames. They are tracked in submap 1, have no pose from 40 to 59 (from 55 on they got poses
+// afterwards), and are then tracked in submap 2. The poses of 38 and 39 were withdrawn.
 class WindowPictureTest : public ::testing::Test {
  protected:
   static int64_t utime(int frame) { return kBegin + frame * kPeriod; }
@@ -73,11 +73,11 @@ class WindowPictureTest : public ::testing::Test {
 };
 
 TEST_F(WindowPictureTest, TheSceneSaysWhatBecameOfEveryFrame) {
-  const WindowSceneResult result = read_window_scene(write_log(true, {make_window(1)}), 0);
-  ASSERT_TRUE(result.ok()) << result.error;
-  const WindowScene& scene = result.scene;
+  const Result<WindowScene> result = read_window_scene(write_log(true, {make_window(1)}), 0);
+  ASSERT_TRUE(result) << result.error_text();
+  const WindowScene& scene = *result;
   EXPECT_EQ(scene.begin_us, kBegin);
-  EXPECT_EQ(scene.frames.front().utime_us, utime(5));  // 15 before the first sample
+  EXPECT_EQ(scene.frames.front().utime_us, utime(5));  // 15 frames before the first sample
   EXPECT_EQ(scene.frames.back().utime_us, utime(90));
   const auto frame = [&](int i) { return scene.frames.at(static_cast<size_t>(i - 5)); };
   EXPECT_EQ(frame(25).sampled_as, SampledAs::kApproach);
@@ -96,11 +96,12 @@ TEST_F(WindowPictureTest, TheSceneSaysWhatBecameOfEveryFrame) {
 }
 
 TEST_F(WindowPictureTest, ThePictureShowsTheStatesAndNothingElseWhereNothingIs) {
-  const WindowSceneResult result = read_window_scene(write_log(true, {make_window(1)}), 1);
-  ASSERT_TRUE(result.ok()) << result.error;
-  const cv::Mat picture = draw_window(result.scene);
+  const Result<WindowScene> result = read_window_scene(write_log(true, {make_window(1)}), 1);
+  ASSERT_TRUE(result) << result.error_text();
+  const cv::Mat picture = draw_window(*result);
   ASSERT_EQ(picture.type(), CV_8UC3);
-  // The strip, found by its colours: some row has tracked, recently lost, lost, afterwards and tracked in this order.
+  // Finds the strip by its colours: some row has the colours of tracked, recently lost, lost, posed afterwards and
+  // tracked frames in this order.
   const auto is = [](const cv::Vec3b& bgr, int r, int g, int b) {
     return std::abs(bgr[2] - r) + std::abs(bgr[1] - g) + std::abs(bgr[0] - b) < 12;
   };
@@ -125,9 +126,9 @@ TEST_F(WindowPictureTest, WindowsAreChosenByNumberOrAsTheFirstTypicalOne) {
   window_t start = make_window(1);
   start.submap_before = 0;
   const std::string file = write_log(false, {start, make_window(2), make_window(3)});
-  EXPECT_EQ(read_window_scene(file, 0).scene.window.window_id, 2);
-  EXPECT_EQ(read_window_scene(file, 3).scene.window.window_id, 3);
-  EXPECT_THAT(read_window_scene(file, 4).error, HasSubstr("no window 4; there are 1 2 3"));
+  EXPECT_EQ(read_window_scene(file, 0)->window.window_id, 2);
+  EXPECT_EQ(read_window_scene(file, 3)->window.window_id, 3);
+  EXPECT_THAT(read_window_scene(file, 4).error_text(), HasSubstr("no window 4; there are 1 2 3"));
 }
 
 TEST_F(WindowPictureTest, TheLastAnnouncementCounts) {
@@ -138,21 +139,21 @@ TEST_F(WindowPictureTest, TheLastAnnouncementCounts) {
   early.departure_utime.clear();
   early.ndeparture = 0;
   early.resumed_utime = 0;
-  EXPECT_EQ(read_window_scene(write_log(false, {early, make_window(1)}), 1).scene.window.ngap, 15);
-  const WindowSceneResult lost = read_window_scene(write_log(false, {early}), 1);
-  ASSERT_TRUE(lost.ok()) << lost.error;
-  EXPECT_FALSE(draw_window(lost.scene).empty()) << "still lost, and without images";
+  EXPECT_EQ(read_window_scene(write_log(false, {early, make_window(1)}), 1)->window.ngap, 15);
+  const Result<WindowScene> lost = read_window_scene(write_log(false, {early}), 1);
+  ASSERT_TRUE(lost) << lost.error_text();
+  EXPECT_FALSE(draw_window(*lost).empty()) << "still lost, and without images";
 }
 
 TEST_F(WindowPictureTest, LogsThatAreNoGoodAreNamed) {
-  EXPECT_THAT(read_window_scene((folder_ / "none").string(), 0).error, HasSubstr("none"));
-  EXPECT_THAT(read_window_scene(write_log(true, {}), 0).error, HasSubstr("no window is announced"));
+  EXPECT_THAT(read_window_scene((folder_ / "none").string(), 0).error_text(), HasSubstr("none"));
+  EXPECT_THAT(read_window_scene(write_log(true, {}), 0).error_text(), HasSubstr("no window is announced"));
   window_t elsewhere = make_window(1);
   elsewhere.session = 8;
-  EXPECT_THAT(read_window_scene(write_log(true, {elsewhere}), 0).error, HasSubstr("0 frames"));
+  EXPECT_THAT(read_window_scene(write_log(true, {elsewhere}), 0).error_text(), HasSubstr("0 frames"));
   const std::string text = (folder_ / "text").string();
   std::ofstream(text) << "this is no log";
-  EXPECT_FALSE(read_window_scene(text, 0).ok());
+  EXPECT_FALSE(read_window_scene(text, 0).has_value());
 }
 
 TEST_F(WindowPictureTest, OddWindowsAreDrawnToo) {
@@ -163,13 +164,13 @@ TEST_F(WindowPictureTest, OddWindowsAreDrawnToo) {
   odd.lost_utime = 5;                    // before everything
   odd.resumed_utime = int64_t{1} << 52;  // after everything
   odd.reason = std::string(3000, 'x');
-  WindowSceneResult result = read_window_scene(write_log(true, {odd}), 1);
-  ASSERT_TRUE(result.ok()) << result.error;
-  EXPECT_FALSE(draw_window(result.scene).empty());
-  result.scene.frames.resize(1);
-  EXPECT_FALSE(draw_window(result.scene).empty());
-  result.scene.frames[0].image = cv::Mat(1000, 1, CV_8UC3, cv::Scalar::all(9));
-  EXPECT_FALSE(draw_window(result.scene).empty());
+  Result<WindowScene> result = read_window_scene(write_log(true, {odd}), 1);
+  ASSERT_TRUE(result) << result.error_text();
+  EXPECT_FALSE(draw_window(*result).empty());
+  result->frames.resize(1);
+  EXPECT_FALSE(draw_window(*result).empty());
+  result->frames[0].image = cv::Mat(1000, 1, CV_8UC3, cv::Scalar::all(9));
+  EXPECT_FALSE(draw_window(*result).empty());
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ TEST_F(LiveStatusTest, SaysNothingOfWhatWasNotHeard) {
   EXPECT_THAT(status_.to_text(), HasSubstr("process"));
 }
 
-// `rumi up` asks who is there before it starts anything.
+// Before it starts anything, `rumi up` sends a status to ask which processes are there.
 TEST_F(LiveStatusTest, WhoOnlyAsksIsNoProcess) {
   process_status_t status = process(10'000'000, 0, 0);
   status.process = "rumi";
@@ -70,7 +70,7 @@ TEST_F(LiveStatusTest, WhoOnlyAsksIsNoProcess) {
 TEST_F(LiveStatusTest, RatesAreDifferencesOfOneRun) {
   send(10'000'000, channels::kStatus, process(10'000'000, 300, 5.0));
   auto json = status_.to_json()["processes"]["front_tracker"];
-  EXPECT_EQ(json["in_hz"], 0.0);  // not known yet
+  EXPECT_EQ(json["in_hz"], 0.0);  // a rate needs two statuses
   send(12'000'000, channels::kStatus, process(12'000'000, 360, 6.0));
   json = status_.to_json()["processes"]["front_tracker"];
   EXPECT_EQ(json["in_hz"], 30.0);
@@ -90,7 +90,8 @@ TEST_F(LiveStatusTest, RatesAreDifferencesOfOneRun) {
   EXPECT_EQ(status_.to_json()["processes"]["front_tracker"]["state"], "silent");
 }
 
-// Asked, or at its end, a process tells its status out of turn; and what waited on the bus comes at once.
+// A process also tells its status when it is asked and when it ends, and messages that waited on the bus come all at
+// once.
 TEST_F(LiveStatusTest, NoRateIsMadeOfAMoment) {
   send(10'000'000, channels::kStatus, process(10'000'000, 300, 5.0));
   send(12'000'000, channels::kStatus, process(12'000'000, 360, 6.0));
@@ -118,7 +119,7 @@ TEST_F(LiveStatusTest, CpuTimeAFrameByStageOfAllThatWasHeard) {
   EXPECT_EQ(json["cpu_ms_per_frame_by_stage"]["corners"], 2.5);
   EXPECT_EQ(json["cpu_ms_per_frame_by_stage"]["track"], 5.0);
   EXPECT_THAT(status_.to_text(), HasSubstr("\n  CPU ms/frame: track 5.0, corners 2.5\n"));
-  status.pid = 8;  // another run
+  status.pid = 8;  // the process was restarted
   send(12'000'000, channels::kStatus, status);
   EXPECT_TRUE(status_.to_json()["processes"]["front_tracker"]["cpu_ms_per_frame"].is_null());
 }
@@ -135,14 +136,14 @@ TEST_F(LiveStatusTest, ADegradedProcessSaysWhy) {
 }
 
 TEST_F(LiveStatusTest, TrackingOfTheLatestSeconds) {
-  send(1'000'000, channels::kTrack, track(0, 900, track_t::LOST));  // too long ago to count
+  send(1'000'000, channels::kTrack, track(0, 900, track_t::LOST));  // too old to count
   for (int i = 0; i <= 40; ++i)
     if (i != 7) send(10'000'000 + i * 100'000, channels::kTrack, track(100 + i, static_cast<float>(i)));
-  send(14'000'000, channels::kTrack, track(120, 5000));  // told again with its pose
+  send(14'000'000, channels::kTrack, track(120, 5000));  // this frame is told again, with its pose
   const auto json = status_.to_json()["tracking"];
   EXPECT_EQ(json["state"], "TRACKING");
   EXPECT_EQ(json["tracked_percent"], 100.0);
-  EXPECT_EQ(json["rate_hz"], 9.8);  // 40 frames in 4 s, the first one apart
+  EXPECT_EQ(json["rate_hz"], 9.8);  // 39 frames in 4 s after the first one
   EXPECT_EQ(json["latency_p50_ms"], 20.0);
   EXPECT_EQ(json["latency_p95_ms"], 38.0);
   EXPECT_EQ(json["lost_by_bus"], 1);
@@ -150,7 +151,7 @@ TEST_F(LiveStatusTest, TrackingOfTheLatestSeconds) {
   EXPECT_THAT(status_.to_text(), HasSubstr("TRACKING, submap 2, 150 landmarks agree with the pose"));
 }
 
-// Bytes from the network: numbers that cannot be are not counted with.
+// Impossible numbers from the network are not used.
 TEST_F(LiveStatusTest, ImpossibleNumbersAreLeftOut) {
   process_status_t status = process(1'000'000, 5, 1);
   status.started_utime = INT64_MIN;
@@ -175,7 +176,7 @@ TEST_F(LiveStatusTest, MapAndWindows) {
   map.landmarks = 1500;
   map.links_in_all = 2;
   map.links_accepted = 1;
-  map.nsubmaps = map.nlinks = 0;  // the numbers are of all that there is, whatever is on this page
+  map.nsubmaps = map.nlinks = 0;  // the counts are of the whole map, not only of this page
   send(1, channels::kMapStatus, map);
   window_t window{};
   window.window_id = 4;

@@ -29,7 +29,7 @@ class OtherSystemTest : public testing::Test {
       return true;
     });
   }
-  // Somebody on another computer, who began so long ago, answers the first question.
+  // Lets a process on another computer, which was started age_us ago, answer the first question.
   void say(const std::string& process, int64_t age_us, int8_t state = process_status_t::RUNNING,
            const std::string& channel = "") {
     process_status_t status = starting_status(process, bus_.now_us(), bus_.now_us() - age_us);
@@ -39,7 +39,7 @@ class OtherSystemTest : public testing::Test {
     status.nchannels = static_cast<int32_t>(status.channels.size());
     answers_.push_back(status);
   }
-  std::string find() { return find_other_system(bus_, kWanted, std::chrono::milliseconds(20)); }
+  std::string find() { return find_other_system(bus_, kWanted, std::chrono::milliseconds(20)).error_text(); }
   MemoryBus bus_;
   std::vector<process_status_t> answers_;
   int questions_ = 0;

@@ -29,7 +29,7 @@ SupervisorOptions quick() {
   SupervisorOptions options;
   options.source_delay = milliseconds(0);
   options.restart_delay = milliseconds(20);
-  options.failed_start = milliseconds(0);  // every start counts as a good one
+  options.failed_start = milliseconds(0);  // no death counts as a failed start
   options.settle = milliseconds(50);
   options.stop_idle = milliseconds(1000);
   options.stop_limit = milliseconds(20'000);
@@ -38,7 +38,7 @@ SupervisorOptions quick() {
 
 class SupervisorTest : public ::testing::Test {
  protected:
-  // Runs until the end; `on_line` may set stop_.
+  // Runs until the end. The output "stop" or "at once" of a process sets stop_ or at_once_.
   std::string run(std::vector<Supervised> children, const SupervisorOptions& options = quick(),
                   const std::function<void()>& before_last_stage = {}) {
     Supervisor supervisor(std::move(children), options, [this](const std::string& name, const std::string& line) {
@@ -46,7 +46,8 @@ class SupervisorTest : public ::testing::Test {
       if (line == "stop") stop_ = true;
       if (line == "at once") at_once_ = true;
     });
-    std::string reason = supervisor.run(stop_, at_once_, {[this] { before_stop_ = true; }, before_last_stage, {}});
+    std::string reason =
+        supervisor.run(stop_, at_once_, {[this] { before_stop_ = true; }, before_last_stage, {}}).error_text();
     restarts_ = supervisor.restarts();
     not_all_ = supervisor.not_all();
     return reason;
@@ -90,7 +91,7 @@ TEST_F(SupervisorTest, KeepsWhatThoseWhoDidNotGiveAllSaidLast) {
                             "trap 'echo \"10:15:01.000 server error no pose\" >&2; exit 3' TERM; while :; do "
                             "sleep 0.05; done");
   Supervisor supervisor({source, server}, quick(), [](const std::string&, const std::string&) {});
-  EXPECT_EQ(supervisor.run(stop_, at_once_, {}), "");
+  EXPECT_EQ(supervisor.run(stop_, at_once_, {}).error_text(), "");
   EXPECT_THAT(supervisor.complaints(), ::testing::ElementsAre("camera: 2 of 5 left out", "server: no pose"));
 }
 
@@ -115,7 +116,7 @@ TEST_F(SupervisorTest, AsksThoseWhoCanToReadTheirOptionsAgain) {
   });
   Supervisor::Hooks hooks;
   hooks.reload = [&ready] { return std::exchange(ready, false); };
-  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks).error_text(), "");
   EXPECT_THAT(lines_, Contains(Pair("camera", "read")));
   EXPECT_THAT(lines_, Not(Contains(Pair("other", "read"))));
 }
@@ -134,7 +135,7 @@ TEST_F(SupervisorTest, StartsItsSourceLast) {
 
 TEST_F(SupervisorTest, StartsWhatDiesAgain) {
   const std::string counter = folder_ / "counter";
-  // Dies twice by a signal, then is content.
+  // It is killed by a signal twice, then it works.
   const std::string script =
       "echo x >> " + counter + "; [ $(wc -l < " + counter + ") -gt 2 ] || kill -9 $$; echo stop; sleep 10";
   EXPECT_EQ(run({shell("server", script)}), "");
@@ -194,7 +195,7 @@ TEST_F(SupervisorTest, StopsInStagesWithWordInBetween) {
   EXPECT_EQ(order, (std::vector<std::string>{"front done", "asked", "map done"}));
 }
 
-// Asked again while it is at it, a shell would begin its answer anew: hence the empty trap.
+// The empty trap ignores further requests: a shell that is asked again while it answers would begin its answer anew.
 Supervised finisher(const std::string& on_request) {
   Supervised child =
       shell("worker", "trap 'trap \"\" USR1; " + on_request + "' USR1; trap 'echo stopped; exit 0' TERM; " +
@@ -246,13 +247,13 @@ TEST_F(SupervisorTest, TheSourceIsStoppedBeforeTheOthersAreAsked) {
                         });
   Supervisor::Hooks hooks;
   hooks.before_stop = [&] { lines_.emplace_back("", "asked"); };
-  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks).error_text(), "");
   std::vector<std::string> order;
   for (const auto& [name, line] : lines_) order.push_back(line);
   EXPECT_EQ(order, (std::vector<std::string>{"stop", "camera done", "asked", "server done"}));
 }
 
-// A shell that is at work itself until it has used so much CPU time, in clock ticks of 10 ms, however long that takes.
+// Returns a script that works until it has used so much CPU time, in clock ticks of 10 ms, however long that takes.
 std::string at_work(int ticks) {
   const std::string look = "read -r _ _ _ _ _ _ _ _ _ _ _ _ _ u s _ </proc/$$/stat; ";
   return look + "end=$((u + s + " + std::to_string(ticks) + ")); while [ $((u + s)) -lt $end ]; do i=0; " +
@@ -316,7 +317,7 @@ TEST_F(SupervisorTest, AskedTwiceItWaitsForNobody) {
   EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("killed, as everything is to end at once"))));
 }
 
-// 300 kB are more than a pipe holds.
+// The server writes 300 kB, which is more than a pipe holds.
 TEST_F(SupervisorTest, WhatIsSaidBesideAHooksProcessIsReadOn) {
   const auto fifo = [this](const char* name) {
     const std::string file = folder_ / name;
@@ -336,16 +337,17 @@ TEST_F(SupervisorTest, WhatIsSaidBesideAHooksProcessIsReadOn) {
   std::string error;
   hooks.before_stop = [&] {
     const std::string ask = "echo write >" + request + "; timeout 20 cat " + answer;
-    error = supervisor.run_beside(shell("snapshot", ask), at_once_);
+    error = supervisor.run_beside(shell("snapshot", ask), at_once_).error_text();
   };
-  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks).error_text(), "");
   EXPECT_EQ(error, "");
   EXPECT_THAT(lines_, Contains(Pair("snapshot", "written")));
   EXPECT_EQ(std::count_if(lines_.begin(), lines_.end(), [](const auto& line) { return line.second[0] == 'x'; }), 3000);
   EXPECT_EQ(supervisor.restarts(), 0);
 }
 
-// As map_server may, while it is asked for its map. The source has been stopped and stays so.
+// The server dies while another process asks it for something, as map_server may during a snapshot. It is restarted,
+// but the source, which was stopped, is not.
 TEST_F(SupervisorTest, WhoDiesBesideAHooksProcessIsStartedAgain) {
   const std::string file = folder_ / "beside";
   Supervised camera = shell("camera", "echo camera; echo stop; while :; do sleep 0.05; done");
@@ -362,9 +364,9 @@ TEST_F(SupervisorTest, WhoDiesBesideAHooksProcessIsStartedAgain) {
   hooks.before_stop = [&] {
     const std::string ask = "touch " + file + "; i=0; while [ ! -e " + file +
                             ".answer ] && [ $i -lt 400 ]; do i=$((i + 1)); sleep 0.05; done; cat " + file + ".answer";
-    error = supervisor.run_beside(shell("snapshot", ask), at_once_);
+    error = supervisor.run_beside(shell("snapshot", ask), at_once_).error_text();
   };
-  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks).error_text(), "");
   EXPECT_EQ(error, "");
   EXPECT_THAT(lines_, Contains(Pair("snapshot", "again")));
   EXPECT_EQ(supervisor.restarts(), 1);
@@ -380,11 +382,11 @@ TEST_F(SupervisorTest, AHooksProcessThatFailsOrIsKilledSaysSo) {
   Supervisor::Hooks hooks;
   std::string failed, missing, killed;
   hooks.before_stop = [&] {
-    failed = supervisor.run_beside(shell("snapshot", "exit 4"), at_once_);
-    missing = supervisor.run_beside({"snapshot", {"/no/such/file"}}, at_once_);
-    killed = supervisor.run_beside(shell("snapshot", "trap '' TERM; echo at once; sleep 100"), at_once_);
+    failed = supervisor.run_beside(shell("snapshot", "exit 4"), at_once_).error_text();
+    missing = supervisor.run_beside({"snapshot", {"/no/such/file"}}, at_once_).error_text();
+    killed = supervisor.run_beside(shell("snapshot", "trap '' TERM; echo at once; sleep 100"), at_once_).error_text();
   };
-  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks).error_text(), "");
   EXPECT_EQ(failed, "snapshot ended with exit code 4");
   EXPECT_THAT(missing, HasSubstr("snapshot cannot be started: /no/such/file"));
   EXPECT_THAT(killed, HasSubstr("snapshot was killed"));

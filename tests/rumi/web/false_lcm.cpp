@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// false_lcm SUBMAPS LANDMARKS KEYFRAMES [--grow]: plays a system with a large map on LCM until it is killed, for
-// scripts/web_load.py: images and tracking at 30 Hz; with --grow the last submap has 30 landmarks more each second.
+// false_lcm SUBMAPS LANDMARKS KEYFRAMES [--grow]: imitates a system with a large map on LCM until it is killed, for
+// scripts/web_load.py. It publishes images and tracking at 30 Hz; with --grow the last submap gets 30 landmarks each
+// second.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
 
+#include "base/or_throw.h"
 #include "bus/process/process.h"
 #include "bus/transport/lcm_bus.h"
 #include "tests/rumi/web/false_system.h"
@@ -16,7 +18,7 @@ namespace {
 constexpr int kKeypoints = 500, kSeen = 200, kFramesPerKeyframe = 10;
 constexpr int64_t kFrameUs = 33'333;
 
-// What its keyframes see, in turn.
+// Lets each keyframe of the submap see some of its landmarks, in turn.
 void observe(Submap* submap) {
   int next = 0;
   const int landmarks = static_cast<int>(submap->landmarks.size());
@@ -46,9 +48,7 @@ std::map<int, Submap> make_submaps(int n, int landmarks, int keyframes) {
 }
 
 void play(int submaps, int landmarks, int keyframes, bool grows) {
-  std::string error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(kDefaultLcmUrl, {}, &error);
-  if (!bus) throw std::runtime_error(error);
+  const std::unique_ptr<LcmBus> bus = or_throw(LcmBus::open(kDefaultLcmUrl, {}));
   FalseSystem system(*bus, make_submaps(submaps, landmarks, keyframes));
   const int frames = submaps * keyframes * kFramesPerKeyframe;
   int64_t next_us = bus->now_us();

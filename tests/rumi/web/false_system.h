@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Plays a running system: unless others are given, two front submaps, and the back submap that joins them.
+// Imitates a running system. Unless other submaps are given, it has two front submaps and the back submap that joins
+// them.
 #pragma once
 
 #include <map>
@@ -11,6 +12,7 @@
 #include "bus/transport/bus.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/jpeg_image.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"
@@ -41,7 +43,7 @@ class FalseSystem {
   Submap& submap(int id) { return submaps_.at(id); }
   std::vector<map_request_t> take_requests() { return std::exchange(requests_, {}); }
 
-  // Once all of them again, as they are now.
+  // Publishes a status with all submaps, as they are now.
   void publish_map() {
     map_status_t status{};
     status.utime = bus_.now_us();
@@ -74,11 +76,11 @@ class FalseSystem {
     status.nlinks = status.links_in_all = status.links_accepted = 2;
     bus_.publish(channels::kMapStatus, status);
   }
-  // 12 s at 30 Hz; from 5 to 7 s tracking is lost.
+  // Publishes 12 s of tracking at 30 Hz; it is lost from 5 to 7 s.
   void publish_tracks() {
     for (int i = 0; i < 360; ++i) publish_track(i, i < 150 ? 1 : i < 210 ? kNoSubmap : 2);
   }
-  // At 30 Hz; in kNoSubmap: lost.
+  // Publishes one frame of a sequence at 30 Hz. In kNoSubmap, tracking is lost.
   void publish_track(int sequence, int submap) {
     track_t track{};
     track.utime = 1'000'000 + int64_t{sequence} * 33'333;
@@ -92,7 +94,7 @@ class FalseSystem {
     }
     bus_.publish(channels::kTrack, track);
   }
-  // The frame after the last one.
+  // Publishes a lost frame, which follows the frames of publish_tracks() and all earlier lost frames.
   void publish_loss() { publish_track(lost_frames_++, kNoSubmap); }
   void publish_image(cv::Size size = {1280, 720}) {
     cv::Mat image(size, CV_8UC3, cv::Scalar(60, 120, 40));
@@ -122,7 +124,7 @@ class FalseSystem {
     window.state = window_t::PUBLISHED;
     bus_.publish(channels::kWindow, window);
   }
-  // One more landmark in a submap.
+  // Adds a landmark to a submap.
   void grow(int id) {
     Submap& submap = submaps_.at(id);
     ++submap.revision;

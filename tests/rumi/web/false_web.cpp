@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Serves the page of a system that is not there, for a browser: prints its port, and does what stdin says: a word a
-// line, of those in obey(). Time passes as it is served.
+// Serves the page of an imitated system to a browser. It prints its port and obeys the words on stdin, one per line
+// (see obey()). The clock of the bus goes on as it serves.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -55,7 +55,7 @@ class FalseWeb {
   int steps_ = 0;
 };
 
-// Until stdin is closed.
+// Runs until stdin is closed.
 void run() {
   FalseWeb web;
   fcntl(STDIN_FILENO, F_SETFL, O_NONBLOCK);

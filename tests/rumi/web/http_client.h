@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A client that reads only when it is told to. It lives in the server's own thread: whoever waits for it, serves.
+// A client that reads only when it is told to. It lives in the server's thread, so its functions that wait also serve.
 #pragma once
 
 #include <arpa/inet.h>
@@ -39,14 +39,14 @@ class HttpClient {
       heard_.append(bytes, static_cast<size_t>(n));
     closed_ |= n == 0 || (n < 0 && errno != EAGAIN);
   }
-  // Serves and reads until it has come.
+  // Serves and reads until `text` has come. False if it does not come.
   bool hears(const std::string& text) {
     return testing::happens([&] { return heard_.find(text) != std::string::npos; }, [&] { step(); });
   }
   bool is_closed() {
     return testing::happens([&] { return closed_; }, [&] { step(); });
   }
-  // All that came since the last call.
+  // Returns all that came since the last call.
   std::string take() { return std::exchange(heard_, {}); }
   const std::string& heard() const { return heard_; }
   void step() {

@@ -31,7 +31,7 @@ class HttpServerTest : public ::testing::Test {
     if (path == "/large") return {.body = large_};
     return text_answer(200, "this is " + path);
   }
-  // The head of the answer to this; empty: closed without one.
+  // Returns the head of the answer to a request; empty if the connection is closed without an answer.
   std::string head_of_answer(const std::string& request) {
     HttpClient client(server_);
     client.say(request);
@@ -91,7 +91,7 @@ TEST_F(HttpServerTest, IsAskedForAPathWithoutParameters) {
   EXPECT_THAT(asked_, ::testing::ElementsAre("/a/b", "/c"));
 }
 
-// A page of somebody else may reach this port by a name of its own that it lets point to 127.0.0.1.
+// The page of another site can reach this port by a name of its own, which its DNS resolves to 127.0.0.1.
 TEST_F(HttpServerTest, OnlyByTheNamesOfThisComputer) {
   const auto with_host = [&](const std::string& host) {
     return head_of_answer("GET / HTTP/1.1\r\nHost: " + host + "\r\n\r\n");
@@ -155,7 +155,8 @@ TEST_F(HttpServerTest, ListenersHearTheNewestOfEachEvent) {
   EXPECT_THAT(client.heard(), Not(HasSubstr("data: 2\n"))) << "is told twice";
 }
 
-// 400 MB are told, and it reads none of it: it gets the newest when it does, and what was under way.
+// The sleeper does not read while events of 400 MB in all are sent. When it reads, it gets the rest of the event that
+// was under way, and the newest one.
 TEST_F(HttpServerTest, WhoDoesNotReadIsNotToldAllLater) {
   constexpr int kEvents = 4000;
   HttpClient sleeper(server_, 4096), reader(server_);
@@ -178,7 +179,7 @@ TEST_F(HttpServerTest, ListenersAreFew) {
   late.get("/events");
   ASSERT_TRUE(late.hears("are open already"));
   EXPECT_THAT(late.heard(), HasSubstr("503 Service Unavailable"));
-  clients.pop_front();  // closed
+  clients.pop_front();  // closes the connection of the first client
   ASSERT_TRUE(
       testing::happens([&] { return server_.listeners() < HttpServer::kMaxListeners; }, [&] { server_.serve(0); }));
   HttpClient next(server_);
@@ -202,7 +203,7 @@ TEST_F(HttpServerTest, ConnectionsAreBounded) {
   EXPECT_TRUE(clients.front().hears("this is /again"));
 }
 
-// Those that say nothing are left to wait by the system, not accepted without an end.
+// Connections that ask nothing are bounded, too. The operating system lets further ones wait.
 TEST_F(HttpServerTest, ConnectionsThatAskNothingAreBounded) {
   std::list<HttpClient> clients;
   for (size_t i = 0; i < HttpServer::kMaxConnections + 30; ++i) {
@@ -216,7 +217,7 @@ TEST_F(HttpServerTest, ConnectionsThatAskNothingAreBounded) {
   EXPECT_TRUE(clients.back().hears("this is /"));
 }
 
-// By the clock of the library: a second's patience here.
+// The clock is that of the library. A client has one second here.
 TEST_F(HttpServerTest, WhoNeitherAsksNorReadsIsLeft) {
   HttpServer impatient(
       0, [this](const std::string& path) { return answer(path); }, 1);

@@ -93,9 +93,9 @@ TEST_F(WebNodeTest, ASubmapInBytes) {
   const std::string& blob = *answer.body;
   const Submap& submap = system_.submap(1);
   EXPECT_EQ(blob.substr(0, 4), "RSM1");
-  ASSERT_EQ(number_at<uint32_t>(blob, 4), 150u);    // images
-  ASSERT_EQ(number_at<uint32_t>(blob, 8), 15u);     // keyframes
-  ASSERT_EQ(number_at<uint32_t>(blob, 12), 3000u);  // landmarks
+  ASSERT_EQ(number_at<uint32_t>(blob, 4), 150u);    // number of poses
+  ASSERT_EQ(number_at<uint32_t>(blob, 8), 15u);     // number of keyframes
+  ASSERT_EQ(number_at<uint32_t>(blob, 12), 3000u);  // number of landmarks
   const size_t path = 32 + 8 * 150, keyframes = path + 12 * 150, landmarks = keyframes + 28 * 15;
   EXPECT_EQ(blob.size(), landmarks + 12 * 3000 + 8 * number_at<uint32_t>(blob, 16));
   EXPECT_DOUBLE_EQ(number_at<double>(blob, 32 + 8), 1.033333);
@@ -193,9 +193,8 @@ TEST_F(WebNodeTest, ImagesAreSmallAndFew) {
   EXPECT_LE(different, 13) << "in 2.4 s";
   EXPECT_GT(times("image"), 4u);
   EXPECT_LE(times("image"), 13u) << "asked for more often than there is a new one";
-  std::string error;
-  const cv::Mat image = decode_jpeg({reinterpret_cast<const uint8_t*>(last->data()), last->size()}, false, &error);
-  EXPECT_EQ(image.size(), cv::Size(480, 270)) << error;
+  const cv::Mat image = decode_jpeg({reinterpret_cast<const uint8_t*>(last->data()), last->size()}, false).value();
+  EXPECT_EQ(image.size(), cv::Size(480, 270));
   EXPECT_NEAR(image.at<cv::Vec3b>(100, 100)[0], 200, 5);
 }
 
@@ -237,7 +236,7 @@ TEST(PageFiles, WhatIsMissingIsNamed) {
   }
 }
 
-// Bytes on any channel, broken messages, and numbers that are none.
+// Random bytes on any channel, broken messages, and numbers that are not finite do no harm.
 TEST_F(WebNodeTest, WhatIsWrongOnTheBusDoesNoHarm) {
   publish_all();
   run(2);

@@ -43,7 +43,7 @@ std::vector<WindowImage> three_images() {
 TEST(ColmapDatabase, KeypointsAndTheCameraAreShiftedByHalfAPixel) {
   const TemporaryFolder folder;
   const std::string file = folder / "database.db";
-  ASSERT_EQ(write_colmap_database(file, test_camera(), three_images(), {}), "");
+  ASSERT_EQ(write_colmap_database(file, test_camera(), three_images(), {}).error_text(), "");
   EXPECT_THAT(blob_of<float>(file, "SELECT data FROM keypoints WHERE image_id = 1"),
               ElementsAre(0.5F, 0.5F, 10.75F, 21.0F, 639.5F, 479.5F));
   EXPECT_THAT(blob_of<double>(file, "SELECT params FROM cameras"), ElementsAre(525, 520, 320, 240));
@@ -59,7 +59,9 @@ TEST(ColmapDatabase, KeypointsAndTheCameraAreShiftedByHalfAPixel) {
 TEST(ColmapDatabase, TheImageOfTheLowerIdComesFirst) {
   const TemporaryFolder folder;
   const std::string file = folder / "database.db";
-  ASSERT_EQ(write_colmap_database(file, test_camera(), three_images(), {{1, 0, {{1, 2}, {0, 1}}}, {2, 1, {}}}), "");
+  ASSERT_EQ(
+      write_colmap_database(file, test_camera(), three_images(), {{1, 0, {{1, 2}, {0, 1}}}, {2, 1, {}}}).error_text(),
+      "");
   const int64_t low_first = 2147483647LL * 1 + 2;
   EXPECT_EQ(integer_of(file, "SELECT MIN(pair_id) FROM two_view_geometries"), low_first);
   EXPECT_EQ(integer_of(file, "SELECT MAX(pair_id) FROM two_view_geometries"), 2147483647LL * 2 + 3);
@@ -71,7 +73,7 @@ TEST(ColmapDatabase, TheImageOfTheLowerIdComesFirst) {
   EXPECT_EQ(integer_of(file, "SELECT F IS NULL AND E IS NULL AND H IS NULL AND qvec IS NULL" + of_pair), 1);
 }
 
-// Columns and constraints as COLMAP itself makes them.
+// Returns all tables with their columns, and the indices, to compare them with those that COLMAP creates.
 std::string layout(const std::string& file) {
   Database database(file);
   std::string all = std::to_string(database.integer("PRAGMA user_version"));
@@ -102,7 +104,7 @@ TEST(ColmapDatabase, TheLayoutIsColmaps) {
   if (result.outcome == ChildResult::Outcome::kNotStarted) GTEST_SKIP() << "SKIPPED: " << result.describe();
   ASSERT_TRUE(result.ok()) << result.describe();
   if (integer_of(theirs, "PRAGMA user_version") != 3800) GTEST_SKIP() << "SKIPPED: this COLMAP is not 3.8";
-  ASSERT_EQ(write_colmap_database(ours, test_camera(), three_images(), {}), "");
+  ASSERT_EQ(write_colmap_database(ours, test_camera(), three_images(), {}).error_text(), "");
   EXPECT_EQ(layout(ours), layout(theirs));
 }
 
@@ -111,23 +113,23 @@ TEST(ColmapDatabase, ItReplacesWhatIsThere) {
   const std::string file = folder / "database.db";
   testing::write_file(file, "not a database");
   testing::write_file(file + "-wal", "nor its log");
-  ASSERT_EQ(write_colmap_database(file, test_camera(), three_images(), {}), "");
+  ASSERT_EQ(write_colmap_database(file, test_camera(), three_images(), {}).error_text(), "");
   const std::string first = testing::read_file(file);
-  ASSERT_EQ(write_colmap_database(file, test_camera(), three_images(), {}), "");
+  ASSERT_EQ(write_colmap_database(file, test_camera(), three_images(), {}).error_text(), "");
   EXPECT_EQ(testing::read_file(file), first);
   EXPECT_FALSE(std::filesystem::exists(file + "-wal"));
 }
 
 TEST(ColmapDatabase, NoImagesAreNoProblem) {
   const TemporaryFolder folder;
-  EXPECT_EQ(write_colmap_database(folder / "database.db", test_camera(), {}, {}), "");
+  EXPECT_EQ(write_colmap_database(folder / "database.db", test_camera(), {}, {}).error_text(), "");
 }
 
 TEST(ColmapDatabase, WrongInputIsRefused) {
   const TemporaryFolder folder;
   const std::string file = folder / "database.db";
   const auto problem = [&](const std::vector<WindowImage>& images, const std::vector<ImagePair>& pairs) {
-    const std::string text = write_colmap_database(file, test_camera(), images, pairs);
+    const std::string text = write_colmap_database(file, test_camera(), images, pairs).error_text();
     EXPECT_THAT(text, StartsWith(file));
     EXPECT_FALSE(std::filesystem::exists(file));
     return text;
@@ -140,14 +142,14 @@ TEST(ColmapDatabase, WrongInputIsRefused) {
   EXPECT_THAT(problem({{"a", {{0, std::numeric_limits<float>::quiet_NaN()}}}}, {}), HasSubstr("not finite"));
   EXPECT_THAT(problem({{"a", {}}, {"a", {}}}, {}), HasSubstr("UNIQUE"));
   EXPECT_THAT(problem(three_images(), {{0, 1, {}}, {1, 0, {}}}), HasSubstr("UNIQUE"));
-  EXPECT_THAT(write_colmap_database(file, Camera(), three_images(), {}), HasSubstr("width"));
+  EXPECT_THAT(write_colmap_database(file, Camera(), three_images(), {}).error_text(), HasSubstr("width"));
 }
 
 TEST(ColmapDatabase, AFolderThatIsNotThereIsReported) {
   const TemporaryFolder folder;
-  EXPECT_THAT(write_colmap_database(folder / "no/database.db", test_camera(), three_images(), {}),
+  EXPECT_THAT(write_colmap_database(folder / "no/database.db", test_camera(), three_images(), {}).error_text(),
               HasSubstr("no/database.db: unable to open"));
-  EXPECT_THAT(write_colmap_database("/proc/database.db", test_camera(), three_images(), {}),
+  EXPECT_THAT(write_colmap_database("/proc/database.db", test_camera(), three_images(), {}).error_text(),
               HasSubstr("/proc/database.db: "));
 }
 
@@ -156,7 +158,7 @@ TEST(ColmapDatabase, AFullDiskIsReported) {
   const int result = testing::run_on_small_disk(folder.path().string(), 100'000, [&] {
     std::vector<WindowImage> images(100, {"", std::vector<Eigen::Vector2f>(1000, {1, 2})});
     for (size_t i = 0; i < images.size(); ++i) images[i].name = std::to_string(i);
-    const std::string problem = write_colmap_database(folder / "database.db", test_camera(), images, {});
+    const std::string problem = write_colmap_database(folder / "database.db", test_camera(), images, {}).error_text();
     if (problem.find("full") == std::string::npos) return 1;
     return std::filesystem::exists(folder / "database.db") ? 2 : 0;
   });

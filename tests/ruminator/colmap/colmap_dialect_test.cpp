@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What each COLMAP is called with, and what is said of one that cannot be called.
+// The arguments for each version of COLMAP, and the message about an unusable one.
 #include "ruminator/colmap/colmap_dialect.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ using testing::kNever;
 using ::testing::Not;
 using testing::TemporaryFolder;
 
-// What all versions call the same.
+// The arguments that all versions get.
 constexpr const char* kMiddle =
     " --Mapper.num_threads 1 --Mapper.extract_colors 0 --Mapper.min_num_matches 15 --Mapper.multiple_models 1"
     " --Mapper.max_num_models 3 --Mapper.min_model_size 10 --Mapper.init_min_tri_angle 4"
@@ -37,15 +37,16 @@ constexpr const char* kEnd = " --Mapper.ba_global_points_ratio 1.4 --Mapper.ba_g
 
 class ColmapDialectTest : public ::testing::Test {
  protected:
-  // Runs a fake of this version, and returns what it was called with.
+  // Runs a fake of this version and returns its arguments.
   std::string said_to(const ColmapHelp& help) {
     ColmapMapper mapper(testing::write_fake_colmap(here, testing::help_text(help), "exit 0"));
     const MapperOutcome outcome = mapper.run(command, settings, kNever);
-    EXPECT_EQ(outcome.kind, MapperOutcome::Kind::kNoModel) << outcome.failure;  // it understood, and left nothing
+    EXPECT_EQ(outcome.kind, MapperOutcome::Kind::kNoModel)
+        << outcome.models.error_text();  // it understood its arguments, but left no model
     EXPECT_EQ(mapper.version(), help.version);
     return testing::read_file(here / "arguments");
   }
-  // Asks a fake with this help; returns what is wrong with it.
+  // Asks a fake with this help text, and returns its problem().
   std::string problem_of(const std::string& help) {
     program = std::make_unique<ColmapProgram>(testing::write_fake_colmap(here, help, "exit 0"));
     program->ask(0, kNever);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// COLMAP itself, from our database to its model.
+// Runs the real COLMAP, from our database to its model.
 #include "ruminator/colmap/colmap_mapper.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ using Kind = MapperOutcome::Kind;
 using testing::command_for;
 using testing::kNever;
 
-// A camera on a curve before a cloud; every landmark it sees is a keypoint.
+// Cameras on a curve in front of a cloud of landmarks. Each landmark that a camera sees is a keypoint.
 struct Scene {
   std::vector<SE3> cam_from_world;
   std::vector<WindowImage> images;
@@ -53,7 +53,7 @@ Scene make_scene(int cameras, int landmarks, double noise_px) {
     }
   }
   for (int a = 0; a < cameras; ++a)
-    for (int b = 0; b < a; ++b) {  // the later image first: the database has to turn them round
+    for (int b = 0; b < a; ++b) {  // the later image comes first, so that the database has to swap them
       ImagePair& pair = s.pairs.emplace_back();
       pair.first = a, pair.second = b;
       const auto& la = s.landmark_of_keypoint[static_cast<size_t>(a)];
@@ -77,26 +77,27 @@ std::vector<int> keypoint_counts(const Scene& s) {
 }
 
 bool is_missing(const MapperOutcome& outcome) {
-  return outcome.kind == Kind::kNotStarted && outcome.failure.find("not found in PATH") != std::string::npos;
+  return outcome.kind == Kind::kNotStarted &&
+         outcome.models.error_text().find("not found in PATH") != std::string::npos;
 }
 
 TEST(ColmapMapper, RebuildsASceneFromOurDatabase) {
   const TemporaryFolder folder;
   const Scene scene = make_scene(10, 400, 0.5);
-  ASSERT_EQ(write_colmap_database(folder / "database.db", test_camera(), scene.images, scene.pairs), "");
+  ASSERT_EQ(write_colmap_database(folder / "database.db", test_camera(), scene.images, scene.pairs).error_text(), "");
   MapperCommand command = command_for(folder, "models");
   command.keypoint_counts = keypoint_counts(scene);
   std::vector<int> registered;
   command.progress = [&](int images) { registered.push_back(images); };
   ColmapMapper mapper("colmap");
   const MapperOutcome outcome = mapper.run(command, {}, kNever);
-  if (is_missing(outcome)) GTEST_SKIP() << "SKIPPED: " << outcome.failure;
-  ASSERT_EQ(outcome.kind, Kind::kModels) << outcome.failure;
-  ASSERT_EQ(outcome.models.size(), 1U);
+  if (is_missing(outcome)) GTEST_SKIP() << "SKIPPED: " << outcome.models.error_text();
+  ASSERT_EQ(outcome.kind, Kind::kModels) << outcome.models.error_text();
+  ASSERT_EQ(outcome.models->size(), 1U);
   EXPECT_THAT(registered, ElementsAre(2, 3, 4, 5, 6, 7, 8, 9));
   EXPECT_GT(outcome.cpu_s, 0);
   EXPECT_NE(mapper.version(), "");
-  const SparseModel& model = outcome.models[0];
+  const SparseModel& model = outcome.models->at(0);
   ASSERT_EQ(model.cam_from_world.size(), scene.images.size());
   EXPECT_EQ(model.fx, test_camera().fx);
   EXPECT_EQ(model.fy, test_camera().fy);
@@ -110,7 +111,7 @@ TEST(ColmapMapper, RebuildsASceneFromOurDatabase) {
   ASSERT_TRUE(truth_from_found);
   for (size_t i = 0; i < found.size(); ++i) EXPECT_LT((*truth_from_found * found[i] - truth[i]).norm(), 0.02) << i;
 
-  // Every track is of one landmark: images and keypoints are ours.
+  // All observations of a track are of one landmark, so image and keypoint indices are ours.
   EXPECT_GT(model.points.size(), 300U);
   double squared_px = 0;
   int observations = 0;
@@ -129,7 +130,7 @@ TEST(ColmapMapper, RebuildsASceneFromOurDatabase) {
   EXPECT_LT(std::sqrt(squared_px / observations), 0.75);  // 0.5 px of noise on each axis
 }
 
-// The images of the model keep their poses; one that was not in it joins them.
+// The images of the input model keep their poses, and an image that it lacks is added.
 TEST(ColmapMapper, ExtendsAModel) {
   const TemporaryFolder folder;
   const Scene scene = make_scene(8, 300, 0.5);
@@ -137,32 +138,32 @@ TEST(ColmapMapper, ExtendsAModel) {
   for (const ImagePair& pair : scene.pairs)
     if (pair.first < 7) pairs_of_seven.push_back(pair);
   const std::string file = folder / "database.db";
-  ASSERT_EQ(write_colmap_database(file, test_camera(), scene.images, pairs_of_seven), "");
+  ASSERT_EQ(write_colmap_database(file, test_camera(), scene.images, pairs_of_seven).error_text(), "");
   MapperCommand command = command_for(folder, "seven");
   command.keypoint_counts = keypoint_counts(scene);
   MapperSettings settings;
   settings.min_model_size = 3;
   ColmapMapper mapper("colmap");
   const MapperOutcome seven = mapper.run(command, settings, kNever);
-  if (is_missing(seven)) GTEST_SKIP() << "SKIPPED: " << seven.failure;
-  ASSERT_EQ(seven.kind, Kind::kModels) << seven.failure;
-  ASSERT_EQ(seven.models[0].cam_from_world.size(), 7U);
+  if (is_missing(seven)) GTEST_SKIP() << "SKIPPED: " << seven.models.error_text();
+  ASSERT_EQ(seven.kind, Kind::kModels) << seven.models.error_text();
+  ASSERT_EQ(seven.models->at(0).cam_from_world.size(), 7U);
 
-  ASSERT_EQ(write_colmap_database(file, test_camera(), scene.images, scene.pairs), "");
-  // As COLMAP writes a model (from 3.12 on in more files), and as we do.
+  ASSERT_EQ(write_colmap_database(file, test_camera(), scene.images, scene.pairs).error_text(), "");
+  // Extends a model as COLMAP writes it (in more files since 3.12), and one as Rumi writes it.
   const std::string ours = folder / "ours";
   std::filesystem::create_directory(ours);
-  ASSERT_EQ(write_colmap_model(ours, test_camera(), scene.images, seven.models[0]), "");
+  ASSERT_EQ(write_colmap_model(ours, test_camera(), scene.images, seven.models->at(0)).error_text(), "");
   command.fix_existing_images = true;
-  for (const std::string& input : {seven.folders[0], ours}) {
+  for (const std::string& input : {folder / "seven/0", ours}) {
     command.input_model = input;
     command.output_folder = input + "-eight";
     const MapperOutcome eight = mapper.run(command, settings, kNever);
-    ASSERT_EQ(eight.kind, Kind::kModels) << input << ": " << eight.failure;
-    ASSERT_EQ(eight.models.size(), 1U);
-    ASSERT_EQ(eight.models[0].cam_from_world.size(), 8U) << input;
-    for (const auto& [image, pose] : seven.models[0].cam_from_world)
-      EXPECT_LT((eight.models[0].cam_from_world.at(image).center() - pose.center()).norm(), 1e-9) << input << image;
+    ASSERT_EQ(eight.kind, Kind::kModels) << input << ": " << eight.models.error_text();
+    ASSERT_EQ(eight.models->size(), 1U);
+    ASSERT_EQ(eight.models->at(0).cam_from_world.size(), 8U) << input;
+    for (const auto& [image, pose] : seven.models->at(0).cam_from_world)
+      EXPECT_LT((eight.models->at(0).cam_from_world.at(image).center() - pose.center()).norm(), 1e-9) << input << image;
   }
 }
 
@@ -171,12 +172,12 @@ TEST(ColmapMapper, IsRepeatableToTheBit) {
   const Scene scene = make_scene(10, 400, 0.5);
   ColmapMapper mapper("colmap");
   for (const char* name : {"first", "second"}) {
-    ASSERT_EQ(write_colmap_database(folder / "database.db", test_camera(), scene.images, scene.pairs), "");
+    ASSERT_EQ(write_colmap_database(folder / "database.db", test_camera(), scene.images, scene.pairs).error_text(), "");
     MapperCommand command = command_for(folder, name);
     command.keypoint_counts = keypoint_counts(scene);
     const MapperOutcome outcome = mapper.run(command, {}, kNever);
-    if (is_missing(outcome)) GTEST_SKIP() << "SKIPPED: " << outcome.failure;
-    ASSERT_EQ(outcome.kind, Kind::kModels) << outcome.failure;
+    if (is_missing(outcome)) GTEST_SKIP() << "SKIPPED: " << outcome.models.error_text();
+    ASSERT_EQ(outcome.kind, Kind::kModels) << outcome.models.error_text();
   }
   for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"})
     EXPECT_EQ(testing::read_file(folder / "first/0/" + name), testing::read_file(folder / "second/0/" + name)) << name;
@@ -185,10 +186,10 @@ TEST(ColmapMapper, IsRepeatableToTheBit) {
 TEST(ColmapMapper, FindsNoModelInImagesWithoutPairs) {
   const TemporaryFolder folder;
   const Scene scene = make_scene(5, 100, 0.5);
-  ASSERT_EQ(write_colmap_database(folder / "database.db", test_camera(), scene.images, {}), "");
+  ASSERT_EQ(write_colmap_database(folder / "database.db", test_camera(), scene.images, {}).error_text(), "");
   const MapperOutcome outcome = ColmapMapper("colmap").run(command_for(folder, "models"), {}, kNever);
-  if (is_missing(outcome)) GTEST_SKIP() << "SKIPPED: " << outcome.failure;
-  EXPECT_EQ(outcome.kind, Kind::kNoModel) << outcome.failure;
+  if (is_missing(outcome)) GTEST_SKIP() << "SKIPPED: " << outcome.models.error_text();
+  EXPECT_EQ(outcome.kind, Kind::kNoModel) << outcome.models.error_text();
   EXPECT_FALSE(outcome.retryable());
 }
 
@@ -196,14 +197,15 @@ TEST(ColmapMapper, FillsTheDisk) {
   const TemporaryFolder folder;
   const Scene scene = make_scene(10, 400, 0.5);
   ColmapMapper mapper("colmap");
-  // Room for the database and a part of the model.
+  // The disk has room for the database and only a part of the model.
   const int result = testing::run_on_small_disk(folder.path().string(), 350'000, [&] {
-    const std::string problem = write_colmap_database(folder / "database.db", test_camera(), scene.images, scene.pairs);
+    const std::string problem =
+        write_colmap_database(folder / "database.db", test_camera(), scene.images, scene.pairs).error_text();
     if (!problem.empty()) throw std::runtime_error(problem);
     MapperCommand command = command_for(folder, "models");
     command.keypoint_counts = keypoint_counts(scene);
     const MapperOutcome outcome = mapper.run(command, {}, kNever);
-    std::fprintf(stderr, "%s\n", outcome.failure.c_str());
+    std::fprintf(stderr, "%s\n", outcome.models.error_text().c_str());
     if (is_missing(outcome)) return 50;
     return outcome.kind == Kind::kDiskFull ? 0 : 1;
   });

@@ -51,7 +51,7 @@ TEST_F(ColmapProgramTest, WhatItLeavesWhenAskedIsRemoved) {
       "echo log > \"$TMPDIR/colmap.INFO\" && echo \"$TMPDIR\" > \"$(dirname \"$0\")/where\"\n" + std::string(kHelp)));
   EXPECT_TRUE(program.ask(0, kNever).ok());
   std::string where = testing::read_file(folder_ / "where");
-  where.pop_back();  // the end of the line
+  where.pop_back();  // removes the newline
   EXPECT_THAT(where, HasSubstr("/rumi-colmap-"));
   EXPECT_FALSE(std::filesystem::exists(where));
 }
@@ -74,7 +74,7 @@ TEST_F(ColmapProgramTest, ABrokenOneIsToldAndUsedOnceItIsMended) {
 
 TEST_F(ColmapProgramTest, ABrokenOneIsToldOnceWhateverElseItSays) {
   ColmapProgram program(script("echo \"process $$ aborted\" >&2; exit 1"));
-  ::testing::internal::CaptureStdout();  // where a log goes that was not started
+  ::testing::internal::CaptureStdout();  // where lines go before the log is started
   EXPECT_FALSE(program.ask(0, kNever).ok());
   EXPECT_FALSE(program.ask(0, kNever).ok());
   const std::string printed = ::testing::internal::GetCapturedStdout();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `colmap mapper -h` answers on Debian 12, 13 and sid (October 2026), of each option its name, and a program that
-// answers so.
+// The option names that `colmap mapper -h` prints on Debian 12, 13 and sid (October 2026), and a fake COLMAP that
+// prints them.
 #pragma once
 
 #include <array>
@@ -14,9 +14,9 @@ namespace rumi::testing {
 
 struct ColmapHelp {
   const char* version;
-  const char* head;            // the line that tells the version
-  const char* options;         // of all commands, and of this one
-  const char* mapper_options;  // "Mapper." stands before each
+  const char* head;            // the line that contains the version
+  const char* options;         // options of all commands, and those of `mapper` without a prefix
+  const char* mapper_options;  // options of `mapper` with the prefix "Mapper."
 };
 
 inline constexpr ColmapHelp kDebian12 = {
@@ -90,9 +90,9 @@ inline std::string option_lines(const ColmapHelp& help) {
   return lines;
 }
 
-// A script that answers `mapper -h` with the text and, as COLMAP, refuses options that are not in it. It leaves what it
-// was called with in the file `arguments` of the folder, and then does what `body` says: $out is the output folder,
-// $here the one given.
+// Writes a script that answers `mapper -h` with the text, and refuses unknown options as COLMAP does. Otherwise it
+// writes its arguments into the file `arguments` in the folder, and runs `body`. There $out is the output folder, and
+// $here is `folder`.
 inline std::string write_fake_colmap(const TemporaryFolder& folder, const std::string& help, const std::string& body) {
   folder.write("help", help);
   const std::string program = folder.write("colmap", "#!/bin/sh\nhere='" + folder.path().string() + R"('

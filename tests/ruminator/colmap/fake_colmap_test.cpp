@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A script in COLMAP's place, which fails in every way.
+// A fake COLMAP fails in many ways.
 #include <gmock/gmock.h>
 
 #include <atomic>
@@ -43,25 +43,23 @@ class FakeColmapTest : public ::testing::Test {
     return ColmapMapper(program).run(command, settings, cancel);
   }
 
-  const TemporaryFolder here, work;  // `work` may be a small disk
+  const TemporaryFolder here, work;  // `work` may be on a small disk
   MapperCommand command;
   MapperSettings settings;
 };
 
 TEST_F(FakeColmapTest, OneModelIsReturned) {
   const MapperOutcome outcome = run("cp -r $here/model $out/0");
-  ASSERT_EQ(outcome.kind, Kind::kModels) << outcome.failure;
-  ASSERT_EQ(outcome.models.size(), 1U);
-  EXPECT_EQ(outcome.models[0].cam_from_world.size(), 3U);
-  EXPECT_THAT(outcome.folders, ElementsAre(command.output_folder + "/0"));
-  EXPECT_EQ(outcome.failure, "");
+  ASSERT_EQ(outcome.kind, Kind::kModels) << outcome.models.error_text();
+  ASSERT_EQ(outcome.models->size(), 1U);
+  EXPECT_EQ(outcome.models->at(0).cam_from_world.size(), 3U);
+  EXPECT_EQ(outcome.models.error_text(), "");
 }
 
 TEST_F(FakeColmapTest, TwoModelsAreReturned) {
   const MapperOutcome outcome = run("cp -r $here/model $out/0; cp -r $here/model $out/1");
-  ASSERT_EQ(outcome.kind, Kind::kModels) << outcome.failure;
-  EXPECT_EQ(outcome.models.size(), 2U);
-  EXPECT_EQ(outcome.folders.size(), 2U);
+  ASSERT_EQ(outcome.kind, Kind::kModels) << outcome.models.error_text();
+  EXPECT_EQ(outcome.models->size(), 2U);
 }
 
 TEST_F(FakeColmapTest, ProgressIsReadFromWhatItSays) {
@@ -75,18 +73,18 @@ TEST_F(FakeColmapTest, ProgressIsReadFromWhatItSays) {
 TEST_F(FakeColmapTest, AMissingProgramIsToldAndWorthAnotherTry) {
   const MapperOutcome outcome = ColmapMapper("rumi-no-such-colmap").run(command, settings, kNever);
   EXPECT_EQ(outcome.kind, Kind::kNotStarted);
-  EXPECT_THAT(outcome.failure, HasSubstr("rumi-no-such-colmap: not found in PATH"));
+  EXPECT_THAT(outcome.models.error_text(), HasSubstr("rumi-no-such-colmap: not found in PATH"));
   EXPECT_TRUE(outcome.retryable());
 }
 
 TEST_F(FakeColmapTest, AProgramThatIsNotColmapIsTold) {
   const MapperOutcome outcome = ColmapMapper("echo").run(command, settings, kNever);
   EXPECT_EQ(outcome.kind, Kind::kNotStarted);
-  EXPECT_THAT(outcome.failure, HasSubstr("echo: does not know COLMAP's command mapper"));
+  EXPECT_THAT(outcome.models.error_text(), HasSubstr("echo: does not know COLMAP's command mapper"));
 }
 
 TEST_F(FakeColmapTest, WhatWantsAGpuIsToldOnceAndNotTriedAgain) {
-  run("true");  // writes the program
+  run("true");  // writes the fake program
   testing::write_file(here / "colmap",
                       testing::read_file(here / "colmap") +
                           "echo run >> \"$here/runs\"\n"
@@ -109,7 +107,7 @@ TEST_F(FakeColmapTest, NoModelIsTheImagesFault) {
     const MapperOutcome outcome = run("echo '" + std::string(words) + "' >&2; exit 1");
     EXPECT_EQ(outcome.kind, Kind::kNoModel) << words;
     EXPECT_FALSE(outcome.retryable());
-    EXPECT_THAT(outcome.failure, HasSubstr("found no model"));
+    EXPECT_THAT(outcome.models.error_text(), HasSubstr("found no model"));
   }
 }
 
@@ -119,15 +117,15 @@ TEST_F(FakeColmapTest, AnotherErrorIsRepeated) {
   const MapperOutcome outcome = run("echo fine; echo 'ERROR: Failed to parse options.' >&2; echo; exit 1");
   EXPECT_EQ(outcome.kind, Kind::kFailed);
   EXPECT_FALSE(outcome.retryable());
-  EXPECT_EQ(outcome.failure, "COLMAP's mapper: ended with exit code 1: ERROR: Failed to parse options.");
+  EXPECT_EQ(outcome.models.error_text(), "COLMAP's mapper: ended with exit code 1: ERROR: Failed to parse options.");
 }
 
 TEST_F(FakeColmapTest, ACrashIsNotWorthAnotherTry) {
   const MapperOutcome outcome = run("echo 'mapper.cc:7] Check failed: a == b'; kill -ABRT $$");
   EXPECT_EQ(outcome.kind, Kind::kFailed);
   EXPECT_FALSE(outcome.retryable());
-  EXPECT_THAT(outcome.failure, HasSubstr("signal 6"));
-  EXPECT_THAT(outcome.failure, HasSubstr("Check failed: a == b"));
+  EXPECT_THAT(outcome.models.error_text(), HasSubstr("signal 6"));
+  EXPECT_THAT(outcome.models.error_text(), HasSubstr("Check failed: a == b"));
 }
 
 TEST_F(FakeColmapTest, WhatIsKilledFromOutsideIsWorthAnotherTry) {
@@ -136,7 +134,7 @@ TEST_F(FakeColmapTest, WhatIsKilledFromOutsideIsWorthAnotherTry) {
     const MapperOutcome outcome = run(std::string("kill -") + signal + " $$");
     EXPECT_EQ(outcome.kind, Kind::kKilled) << signal;
     EXPECT_TRUE(outcome.retryable());
-    EXPECT_THAT(outcome.failure, HasSubstr("killed by signal"));
+    EXPECT_THAT(outcome.models.error_text(), HasSubstr("killed by signal"));
   }
 }
 
@@ -144,8 +142,8 @@ TEST_F(FakeColmapTest, WhatHangsIsStopped) {
   command.time_limit_s = 0.2;
   const MapperOutcome outcome = run("cp -r $here/model $out/0; sleep 600");
   EXPECT_EQ(outcome.kind, Kind::kTimedOut);
-  EXPECT_THAT(outcome.models, IsEmpty());
-  EXPECT_THAT(outcome.failure, HasSubstr("time limit"));
+  EXPECT_FALSE(outcome.models);
+  EXPECT_THAT(outcome.models.error_text(), HasSubstr("time limit"));
 }
 
 TEST_F(FakeColmapTest, ItIsCancelledFromAnotherThread) {
@@ -163,8 +161,8 @@ TEST_F(FakeColmapTest, CorruptOutputIsRefused) {
   const MapperOutcome outcome = run(
       "cp -r $here/model $out/0; cp -r $here/model $out/1; head -c 30 $here/model/points3D.bin > $out/1/points3D.bin");
   EXPECT_EQ(outcome.kind, Kind::kCorrupt);
-  EXPECT_THAT(outcome.models, IsEmpty());
-  EXPECT_THAT(outcome.failure, HasSubstr("1/points3D.bin"));
+  EXPECT_FALSE(outcome.models);
+  EXPECT_THAT(outcome.models.error_text(), HasSubstr("1/points3D.bin"));
   EXPECT_FALSE(outcome.retryable());
 }
 
@@ -172,7 +170,7 @@ TEST_F(FakeColmapTest, AFolderWithOtherModelsIsNotUsed) {
   std::filesystem::create_directories(command.output_folder + "/0");
   const MapperOutcome outcome = run("exit 0");
   EXPECT_EQ(outcome.kind, Kind::kNotStarted);
-  EXPECT_THAT(outcome.failure, HasSubstr("is not empty"));
+  EXPECT_THAT(outcome.models.error_text(), HasSubstr("is not empty"));
 }
 
 TEST_F(FakeColmapTest, AFolderThatCannotBeMadeIsTold) {
@@ -180,7 +178,7 @@ TEST_F(FakeColmapTest, AFolderThatCannotBeMadeIsTold) {
   command.output_folder = work / "file/models";
   const MapperOutcome outcome = run("exit 0");
   EXPECT_EQ(outcome.kind, Kind::kNotStarted);
-  EXPECT_THAT(outcome.failure, HasSubstr("file/models: Not a directory"));
+  EXPECT_THAT(outcome.models.error_text(), HasSubstr("file/models: Not a directory"));
 }
 
 TEST_F(FakeColmapTest, ItIsToldToLeaveNoLogOfItsOwn) {
@@ -190,7 +188,7 @@ TEST_F(FakeColmapTest, ItIsToldToLeaveNoLogOfItsOwn) {
 
 TEST_F(FakeColmapTest, TheLogIsKeptButBounded) {
   const MapperOutcome outcome = run("cp -r $here/model $out/0; echo first words; head -c 9000000 /dev/zero");
-  EXPECT_EQ(outcome.kind, Kind::kModels) << outcome.failure;
+  EXPECT_EQ(outcome.kind, Kind::kModels) << outcome.models.error_text();
   const std::string log = testing::read_file(command.log_file);
   EXPECT_THAT(log, HasSubstr("first words"));
   EXPECT_LT(log.size(), 2'000'000U);
@@ -199,11 +197,11 @@ TEST_F(FakeColmapTest, TheLogIsKeptButBounded) {
 TEST_F(FakeColmapTest, AFullDiskIsToldAndWorthAnotherTry) {
   for (const char* end : {"exit 0", "exit 1", "kill -ABRT $$"}) {
     const int result = testing::run_on_small_disk(work.path().string(), 2'000'000, [&] {
-      // As COLMAP does: nothing is said of it.
+      // COLMAP does not report failed writes either.
       const MapperOutcome outcome =
           run("cp -r $here/model $out/0; head -c 9000000 /dev/zero > $out/0/points3D.bin 2> /dev/null; " +
               std::string(end));
-      std::fprintf(stderr, "%s\n", outcome.failure.c_str());
+      std::fprintf(stderr, "%s\n", outcome.models.error_text().c_str());
       return outcome.kind == Kind::kDiskFull && outcome.retryable() ? 0 : 1;
     });
     if (result < 0) GTEST_SKIP() << "SKIPPED: no user namespaces here: cannot mount a small disk";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the tests call COLMAP, or what stands in its place.
+// The command with which the tests run COLMAP, or a fake.
 #pragma once
 
 #include <atomic>

@@ -27,8 +27,8 @@ struct Views {
   IndexPairs matches;
 };
 
-// Keypoints all over the first image, at a depth of their own, with an error of half a pixel in either image; every
-// fifth match is wrong.
+// Spreads keypoints over the first image, each at its own depth, with noise of half a pixel in both images. Every fifth
+// match is wrong.
 Views views(const SE3& second_from_first, const std::function<double(const Eigen::Vector3d& ray, double chance)>& depth,
             int count = 300) {
   const Camera camera = camera_of();
@@ -62,7 +62,7 @@ MotionKind kind_of(const Views& v, const Camera& camera = camera_of()) {
 }
 
 double in_a_room(const Eigen::Vector3d& /*ray*/, double chance) { return 2 + 3 * chance; }
-// A wall that the camera looks at a little from the side.
+// A wall that the camera looks at slightly obliquely.
 double on_a_wall(const Eigen::Vector3d& ray, double /*chance*/) { return 4 / (1 + 0.3 * ray.x()); }
 
 TEST(PairMotion, TheSamePicture) { EXPECT_EQ(kind_of(views(SE3(), in_a_room)), MotionKind::kStill); }
@@ -98,7 +98,7 @@ TEST(PairMotion, DepthOfAPlane) {
   EXPECT_EQ(kind_of(views(motion_of(-5, {0.4, 0.1, 0.2}), on_a_wall)), MotionKind::kDepth);
 }
 
-// A road: most of what is seen is far away.
+// A road: most points are far away, only some are near.
 TEST(PairMotion, DepthOfWhatIsNearBeforeAFarLandscape) {
   const auto landscape = [](const Eigen::Vector3d&, double chance) { return chance < 0.45 ? 5 + 20 * chance : 1000; };
   EXPECT_EQ(kind_of(views(motion_of(2, {0.2, 0, -0.8}), landscape)), MotionKind::kDepth);

@@ -18,7 +18,7 @@ cv::Mat picture() { return testing::see_plane(testing::textured_picture(1), test
 TEST(SiftFeatures, AreOrderedFromTheLargestScaleWithUnitDescriptors) {
   const SiftFeatures features = extract_sift(picture(), testing::picture_camera());
   ASSERT_GT(features.size(), 200U);
-  ASSERT_LE(features.size(), 1100U);  // OpenCV keeps those as strong as the last
+  ASSERT_LE(features.size(), 1100U);  // a few more, because OpenCV keeps all that are as strong as the last one
   ASSERT_EQ(features.scale_px.size(), features.size());
   ASSERT_EQ(features.descriptors.size(), features.size());
   EXPECT_TRUE(std::is_sorted(features.scale_px.rbegin(), features.scale_px.rend()));
@@ -67,14 +67,14 @@ TEST(SiftFeatures, AreNoneWhereTheMaskLeavesSomethingOutAndAsManyElsewhere) {
   for (size_t i = 0; i < features.size(); ++i)
     EXPECT_GT(features.undistorted[i].x(), 119 + std::min(8.0F, features.scale_px[i])) << i;
   EXPECT_EQ(extract_sift(picture(), camera, 100, ImageMask(cv::Mat(pixels.size(), CV_8U, cv::Scalar(0)))).size(), 0U);
-  // A white mask is none.
+  // A white mask masks nothing.
   const SiftFeatures all = extract_sift(picture(), camera, 100);
   const SiftFeatures white = extract_sift(picture(), camera, 100, ImageMask(pixels | 255));
   EXPECT_EQ(all.undistorted, white.undistorted);
   EXPECT_EQ(all.descriptors, white.descriptors);
 }
 
-// What is left has the descriptors that it would have without a mask.
+// The remaining keypoints have the same descriptors as without a mask.
 TEST(SiftFeatures, AreDescribedAlikeWithAMask) {
   const Camera camera = testing::picture_camera();
   cv::Mat pixels(camera.height, camera.width, CV_8U, cv::Scalar(255));
@@ -82,7 +82,7 @@ TEST(SiftFeatures, AreDescribedAlikeWithAMask) {
   const SiftFeatures all = extract_sift(picture(), camera, 5000);
   const SiftFeatures features = extract_sift(picture(), camera, 5000, ImageMask(pixels));
   ASSERT_GT(features.size(), 100U);
-  size_t at = 0;  // both are in the same order
+  size_t at = 0;  // both lists have the same order
   for (size_t i = 0; i < features.size(); ++i, ++at) {
     while (at < all.size() && all.undistorted[at] != features.undistorted[i]) ++at;
     ASSERT_LT(at, all.size()) << i;

@@ -72,7 +72,7 @@ TEST(MatchSift, OfOtherPicturesOrNothingFindsAsGoodAsNothing) {
   EXPECT_TRUE(match_sift(nothing, nothing).empty());
 }
 
-// Descriptors of which some are much alike, some the same.
+// Makes descriptors, some of which are similar and some equal.
 SiftFeatures alike(size_t count, unsigned seed) {
   std::mt19937 random(seed);
   SiftFeatures features;
@@ -93,7 +93,8 @@ SiftFeatures alike(size_t count, unsigned seed) {
   return features;
 }
 
-// Both nearest to each other, at most 0.7 apart, and 0.8 of the second: each with each, in double precision.
+// The reference, in double precision: both descriptors are each other's nearest, at most 0.7 apart, and at most 0.8
+// times as far apart as the second nearest.
 IndexPairs by_comparing_all(const SiftFeatures& a, const SiftFeatures& b) {
   const auto squared = [&](size_t i, size_t j) {
     double product = 0;
@@ -118,8 +119,8 @@ IndexPairs by_comparing_all(const SiftFeatures& a, const SiftFeatures& b) {
   return matches;
 }
 
-// So many that the C library gets them memory of their own, which begins 16 bytes behind a page: vector code that
-// counts on more must say so.
+// For this many descriptors the C library allocates a memory block of its own, which begins 16 bytes after the start of
+// a page. Vector code that needs a larger alignment must request it.
 TEST(MatchSift, FindsTheSameAmongVeryMany) {
   const SiftFeatures a = alike(20, 1), few = alike(300, 2);
   SiftFeatures many = few;
@@ -140,7 +141,7 @@ TEST(MatchSift, FindsWhatComparingAllFinds) {
   EXPECT_GT(found, 8U);
 }
 
-// Two equal candidates: neither is distinct. A single one has no rival.
+// If two candidates are equal, neither is distinct. A single one has no rival.
 TEST(MatchSift, WantsADistinctBest) {
   SiftFeatures one = features_of(kFirst);
   one.undistorted.resize(1), one.scale_px.resize(1), one.descriptors.resize(1);
@@ -172,9 +173,8 @@ TEST(VerifyMatches, KeepsWhatOneMotionExplains) {
   EXPECT_EQ(verify_matches(w.camera, a, b, spoiled.pairs[0].matches), verified);
 }
 
-// max_error_px is the distance from both epipolar lines, whichever distance OpenCV compares with a threshold: noise of
-// 0.7 px in either image leaves some 70 % of the matches nearer than 1.5 px; a Sampson error below 1.5 px would take 98
-// %.
+// The limit is for the distance from both epipolar lines, whichever distance OpenCV compares with its threshold. With
+// noise of 0.7 px in both images, some 70 % of the matches are within 1.5 px; with the Sampson error it would be 98 %.
 TEST(VerifyMatches, ThresholdIsTheDistanceFromBothLines) {
   double kept = 0, given = 0;
   for (unsigned seed = 1; seed <= 5; ++seed) {

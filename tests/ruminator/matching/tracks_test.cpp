@@ -31,7 +31,7 @@ TEST(Tracks, OfNothingAreNone) {
   EXPECT_THAT(join_tracks(images_with({5, 5}), {{0, 1, {}}}), IsEmpty());
 }
 
-// Keypoint 0 of image 2 is matched with both keypoints of image 0: the pairs with more matches are believed.
+// Keypoint 0 of image 2 is matched with both keypoints of image 0: the pairs with more matches prevail.
 TEST(Tracks, AContradictionIsLeftToTheStrongestPairs) {
   const std::vector<WindowImage> images = images_with({4, 4, 4});
   const ImagePair weak{0, 2, {{1, 0}}}, first{0, 1, {{0, 0}, {2, 2}}}, second{1, 2, {{0, 0}, {3, 3}, {2, 2}}};
@@ -44,7 +44,7 @@ TEST(Tracks, AContradictionIsLeftToTheStrongestPairs) {
 TEST(Tracks, NeverHaveTwoKeypointsOfOneImageHoweverWrongTheMatches) {
   testing::TestWindow w = testing::sideways_window(8);
   testing::spoil(&w, 0.3, 0.2);
-  w.pairs.push_back(w.pairs.front());  // twice the same pair
+  w.pairs.push_back(w.pairs.front());  // so that the same pair occurs twice
   const auto tracks = join_tracks(w.images, w.pairs);
   ASSERT_GT(tracks.size(), 300U);
   std::set<std::pair<int, int>> used;
@@ -58,7 +58,7 @@ TEST(Tracks, NeverHaveTwoKeypointsOfOneImageHoweverWrongTheMatches) {
   EXPECT_EQ(join_tracks(w.images, w.pairs), tracks);
 }
 
-// Without wrong matches each track is one point, seen in all the images that see it.
+// Without wrong matches, each track is one point in all images that see it.
 TEST(Tracks, AreThePoints) {
   const testing::TestWindow w = testing::sideways_window(5);
   for (const Track& track : join_tracks(w.images, w.pairs)) {

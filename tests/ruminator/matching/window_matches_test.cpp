@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 
 const std::atomic<bool> kNever = false;
 
-// Images 0, 1, 2, 5 of one wall, 3 and 4 of another.
+// Images 0, 1, 2 and 5 show one wall, 3 and 4 another.
 std::vector<SiftFeatures> pictures() {
   std::vector<SiftFeatures> features;
   const Camera camera = testing::picture_camera();
@@ -98,7 +98,7 @@ TEST(Parallax, OfATurnIsTheNoise) {
 }
 
 TEST(Parallax, OfAStepIsWhatTheStepMoves) {
-  // 0.2 at depths from 2 to 8: from 52 to 13 px, of which a turn explains the mean.
+  // A step of 0.2 moves points at depths of 2 to 8 by 52 to 13 px; a rotation explains the mean of that.
   const PairOfImages p = see(SyntheticScene::pose(0, 0, 0), SyntheticScene::pose(0.2, 0, 0, 0.3, 0.05), 0.7);
   EXPECT_GT(parallax_px(test_camera(), p.features, p.pair), 3);
   EXPECT_LT(parallax_px(test_camera(), p.features, p.pair), 20);

@@ -8,7 +8,7 @@
 namespace rumi::ruminator {
 namespace {
 
-// Samples 0 .. n-1 in submap 3, n .. 2n-1 in submap 5; each submap with an origin and unit of its own.
+// Samples 0 .. n-1 are in submap 3, n .. 2n-1 in submap 5. Each submap has its own origin and unit.
 struct Fixture {
   std::vector<Sample> samples;
   std::map<int64_t, SE3> cam_from_model;
@@ -47,7 +47,7 @@ TEST(FrontAgreement, TellsHowFarABentModelIsOff) {
   int i = 0;
   for (auto& [utime, pose] : f.cam_from_model) pose = SE3(so3_exp({0, 0.1 * i++, 0}), pose.translation);
   for (const FrontAgreement& a : compare_with_front(f.samples, f.cam_from_model)) {
-    EXPECT_NEAR(a.rotation_deg, 0.1 * 2 * 180 / M_PI, 1.5);  // half the frames lie within two steps of the middle
+    EXPECT_NEAR(a.rotation_deg, 0.1 * 2 * 180 / M_PI, 1.5);  // half of the frames are at most two steps from the middle
     EXPECT_GT(a.position_ratio, 0.02);
     EXPECT_LT(a.position_ratio, 1.0001);
   }

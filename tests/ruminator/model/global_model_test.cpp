@@ -20,7 +20,7 @@ std::optional<SparseModel> rough_model(const TestWindow& w) {
   return build_global_model(w.camera, w.images, rotations_of(w));
 }
 
-// What is left of the matches after verification.
+// Keeps the matches that pass the verification.
 void verify(TestWindow* w) {
   std::vector<SiftFeatures> features(w->images.size());
   for (size_t i = 0; i < features.size(); ++i) features[i].undistorted = w->images[i].keypoints;
@@ -29,7 +29,7 @@ void verify(TestWindow* w) {
   std::erase_if(w->pairs, [](const ImagePair& pair) { return pair.matches.empty(); });
 }
 
-// As rough models are adjusted: in steps.
+// Adjusts in steps, as is done with rough models.
 ModelQuality adjust(const TestWindow& w, SparseModel* model) {
   ModelRefinementOptions options;
   for (const double max_error_px : {50.0, 10.0, 3.0}) {
@@ -48,7 +48,7 @@ void expect_truth(const TestWindow& w, double max_error) {
   for (const SparseModel::Point& point : model->points) EXPECT_FALSE(testing::sees_an_image_twice(point.track));
   const ModelQuality quality = adjust(w, &*model);
   EXPECT_EQ(model->cam_from_world.size(), w.images.size());
-  EXPECT_LT(quality.rmse_px, 1.3);  // 0.7 px on either axis
+  EXPECT_LT(quality.rmse_px, 1.3);  // the noise is 0.7 px on each axis
   EXPECT_LT(testing::worst_center_error(w, *model), max_error);
 }
 
@@ -131,7 +131,7 @@ TEST(RelativeRotations, OfPointsThatCoincideAreNoneOrFinite) {
   for (const RelativeRotation& r : rotations_of(w)) EXPECT_TRUE(r.second_from_first.coeffs().allFinite());
 }
 
-// Twice the same image: its translation is anything, its rotation none.
+// Two equal images: the direction of the translation is arbitrary, and the rotation is the identity.
 TEST(GlobalModel, SurvivesDuplicatedImages) {
   std::vector<SE3> path = testing::sideways_path(10);
   for (const int i : {3, 6}) path[i] = path[i - 1];
@@ -143,11 +143,11 @@ TEST(MedianRotationError, KnowsABentModel) {
   const auto rotations = rotations_of(w);
   SparseModel model = testing::true_model(w);
   EXPECT_LT(median_rotation_error_deg(rotations, model), 0.5);
-  // The whole turned: no difference.
+  // A rotation of the whole model makes no difference.
   const SE3 world_from_other(so3_exp({0.3, -1, 0.2}), Eigen::Vector3d(1, 2, 3));
   for (auto& [image, pose] : model.cam_from_world) pose = pose * world_from_other;
   EXPECT_LT(median_rotation_error_deg(rotations, model), 0.5);
-  // Rotations that grow along the path by 2 degrees a frame.
+  // Adds rotations that grow along the path by 2 degrees a frame.
   for (auto& [image, pose] : model.cam_from_world)
     pose.rotation = so3_exp({0, 2 * image * M_PI / 180, 0}) * pose.rotation;
   EXPECT_GT(median_rotation_error_deg(rotations, model), 3);

@@ -13,7 +13,7 @@ using testing::TestWindow;
 
 const Sim3 kElsewhere(2.5, so3_exp({0.3, -0.5, 0.2}), {1, 2, 3});
 
-// The images first..last of the truth, with points that they see, moved and scaled.
+// Returns the images first..last with their true poses, and the points that they see, moved and scaled.
 SparseModel part(const TestWindow& w, int first, int last, const Sim3& part_from_world = Sim3()) {
   SparseModel model;
   for (int image = first; image <= last; ++image)
@@ -29,7 +29,7 @@ std::optional<Sim3> align(const TestWindow& w, const SparseModel& a, const Spars
 TEST(AlignModels, FindsWhatBothSee) {
   TestWindow w = testing::sideways_window(14, 0.7, 800);
   testing::spoil(&w, 0.05, 0.1);
-  // Without a shared image, with two, and with four.
+  // The models have no image in common, or two, or four.
   for (const auto& [first, last] : {std::pair(7, 13), std::pair(5, 13), std::pair(3, 13)}) {
     const SparseModel a = part(w, 0, 6), b = part(w, first, last, kElsewhere);
     const auto a_from_b = align(w, a, b);
@@ -99,7 +99,7 @@ TEST_F(FrontTie, NotTwoSubmaps) { EXPECT_FALSE(tie(front(4, 5))); }
 
 TEST_F(FrontTie, NotTooFewFrames) {
   std::vector<Sample> samples = front(4, 4);
-  samples.resize(10);  // six and four
+  samples.resize(10);  // leaves six in one submap and four in the other
   EXPECT_FALSE(tie(samples));
 }
 

@@ -72,7 +72,7 @@ TEST(AdjustModel, OfNothingIsNothing) {
   EXPECT_TRUE(model.cam_from_world.empty());
 }
 
-// The camera only turns: no point has parallax, and nothing is left.
+// The camera only turns: no point has parallax, so nothing remains.
 TEST(PruneModel, LeavesNothingOfAPureRotation) {
   std::vector<SE3> path;
   for (int i = 0; i < 6; ++i) path.push_back(SyntheticScene::pose(0, 0, 0, 0.05 * i));
@@ -133,8 +133,8 @@ TEST(RemoveLooseImages, LeavesAWellTiedModelAlone) {
   EXPECT_TRUE(testing::is_identical(model, before));
 }
 
-// The last image sees only what images 0 and 1 see, and they are at the same place: wherever it is along the rays, its
-// points can follow.
+// The last image sees only points that images 0 and 1 see, which are at one place. Wherever it lies along the rays, its
+// points fit.
 TEST(RemoveLooseImages, RemovesWhatHangsOnOnePlaceOnly) {
   std::vector<SE3> path = testing::sideways_path(7);
   path[1] = path[0];
@@ -145,7 +145,7 @@ TEST(RemoveLooseImages, RemovesWhatHangsOnOnePlaceOnly) {
   for (const SparseModel::Point& point : model.points) {
     SparseModel::Point loose{point.position, {}}, firm{point.position, {}};
     for (const auto& o : point.track) (o.first < 2 || o.first == 6 ? loose : firm).track.push_back(o);
-    // Images 0 and 1 are tied to the others by every second point.
+    // Every second point connects images 0 and 1 with the others.
     if (tied = !tied; tied) {
       std::erase_if(loose.track, [](const auto& o) { return o.first == 6; });
       firm.track.insert(firm.track.begin(), loose.track.begin(), loose.track.end());
@@ -173,7 +173,7 @@ TEST(RemoveLooseImages, RemovesAllOfThatHoldEachOtherOnly) {
   EXPECT_EQ(remove_loose_images(kOptions, &model), 0);
 }
 
-// The light goes out: of the first and of the last three images only some points are left, enough for a pose each.
+// In the dark the first and the last three images keep only some points, enough for a pose.
 TEST(TrimOpenEnds, GoAsFarAsTheySeeTooLittleAndAreNotKnown) {
   const TestWindow w = testing::sideways_window(12);
   const auto dark = [](int image) { return image == 0 || image > 8; };
@@ -201,7 +201,7 @@ TEST(TrimOpenEnds, GoAsFarAsTheySeeTooLittleAndAreNotKnown) {
   EXPECT_EQ(trim_open_ends({}, kOptions, &nothing), 0);
 }
 
-// Two images see many points, but nearly all of them nobody else does: either has the other, and both have any scale.
+// Two images share many points that hardly any other image sees: they hold each other, but at any scale.
 TEST(TrimOpenEnds, GoTogetherWhereTheySeePointsOfTheirOwn) {
   const TestWindow w = testing::sideways_window(10);
   SparseModel model = testing::true_model(w);
@@ -229,7 +229,7 @@ TEST(RemoveStrays, RemovesWhatHasAnotherScale) {
   const TestWindow w = testing::sideways_window(10);
   SparseModel model = testing::true_model(w);
   EXPECT_EQ(remove_strays(&model), 0);
-  // Three images with points of their own, ten thousand times as large.
+  // Three images with points of their own get a scale ten thousand times as large.
   for (SparseModel::Point& point : model.points) std::erase_if(point.track, [](const auto& o) { return o.first > 6; });
   for (const int image : {7, 8, 9}) {
     SE3& pose = model.cam_from_world.at(image);
@@ -274,9 +274,9 @@ TEST(ResectMissingImages, PutsThemBack) {
 
 TEST(ResectMissingImages, LeavesOutWhatCannotBePlaced) {
   TestWindow w = testing::sideways_window(6);
-  std::erase_if(w.pairs, [](const ImagePair& p) { return p.second == 5; });  // no matches
+  std::erase_if(w.pairs, [](const ImagePair& p) { return p.second == 5; });  // the image has no matches
   for (ImagePair& pair : w.pairs)
-    if (pair.first == 0) pair.matches.resize(4);  // too few
+    if (pair.first == 0) pair.matches.resize(4);  // the image has too few matches
   SparseModel model = testing::true_model(w);
   for (const int missing : {0, 5}) model.cam_from_world.erase(missing);
   for (SparseModel::Point& point : model.points)

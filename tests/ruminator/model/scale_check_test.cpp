@@ -10,7 +10,7 @@ namespace {
 
 using testing::TestWindow;
 
-// Everything after the image is `factor` times as large, seen from it.
+// Scales everything after the image by `factor`, about that image's camera.
 void slip(int image, double factor, SparseModel* model) {
   repair_scale({.image = image, .log_ratio = -std::log(factor)}, model);
 }
@@ -59,8 +59,8 @@ TEST(ScaleCheck, ABreakIsWhereNoPointTells) {
   EXPECT_FALSE(find_break(check_scale(w.camera, w.images, tracks, model)));
 }
 
-// `keep` tracks cross the cut after image 7, all others end at it. Beyond the cut the points of those that cross are
-// `scatter` times farther or nearer, in turn.
+// Returns the cuts of a model in which only `keep` tracks cross the cut after image 7. After the cut, the points of
+// these tracks are farther or nearer by a factor of `scatter`, alternately.
 std::vector<ScaleCut> cuts_with_few_points(int keep, double scatter) {
   TestWindow w = testing::sideways_window(12, 0.3);
   const SparseModel model = testing::true_model(w);

@@ -10,8 +10,8 @@ namespace {
 
 using testing::TestWindow;
 
-// A model as it comes out where the images from `first` on were put elsewhere: every point is seen from one side only,
-// that with more of its observations.
+// Makes a torn model: the images from `first` on are moved away, and every point keeps only the observations on the
+// side that has more of them.
 SparseModel torn_at(const TestWindow& w, int first) {
   SparseModel model = testing::true_model(w);
   for (auto& [image, pose] : model.cam_from_world)
@@ -57,7 +57,7 @@ TEST(TornModel, AnImageThatSeesOtherThingsIsNotTornOff) {
   EXPECT_TRUE(torn_off(agreements, kMaxSevered, model).empty());
 }
 
-// Images 0 to 4 and 5 to 7 hang together, strongly.
+// Images 0 to 4 have strong matches with each other, and so have 5 to 7.
 std::vector<PairAgreement> two_groups() {
   return {{0, 1, 80}, {1, 2, 80}, {2, 3, 80}, {3, 4, 80}, {5, 6, 80}, {6, 7, 80}};
 }

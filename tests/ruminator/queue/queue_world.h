@@ -22,7 +22,7 @@ namespace rumi::testing {
 
 inline constexpr int64_t kStepUs = 20'000;
 
-// A bus with a map_server that stores everything, unless it is told otherwise.
+// A bus with a map_server that stores every back submap, unless it is told to refuse or not to answer.
 class World {
  public:
   explicit World(const RebuildQueueOptions& options, Builder builder, RebuildQueue::BuiltHandler on_built = {}) {
@@ -45,11 +45,11 @@ class World {
   void run_for(double seconds) {
     for (const int64_t end = bus.now_us() + static_cast<int64_t>(seconds * 1e6); bus.now_us() < end;) tick();
   }
-  // The builder's thread takes real time.
+  // Waits in real time, because the builder's thread runs in real time.
   bool run_until(const std::function<bool()>& condition) {
     return happens(condition, [this] { tick(); });
   }
-  std::vector<int> states_of(int32_t id) const {  // without repetitions
+  std::vector<int> states_of(int32_t id) const {  // states in order, without repetitions
     std::vector<int> states;
     for (const window_t& w : windows)
       if (w.window_id == id && (states.empty() || states.back() != w.state)) states.push_back(w.state);
@@ -62,7 +62,7 @@ class World {
 
   MemoryBus bus;
   std::vector<window_t> windows;
-  std::vector<int32_t> received;  // submap ids
+  std::vector<int32_t> received;  // ids of the submaps received
   bool map_server_answers = true;
   std::string refusal;
   std::function<void()> on_submap;
@@ -88,7 +88,7 @@ class RebuildQueueTest : public ::testing::Test {
     options_.build_thread = false;
     options_.retry_s = 2;
   }
-  // Names in the spool that are not ids.
+  // Returns the names of the files in the spool, without ids.
   std::vector<std::string> left() const {
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(folder_ / "spool"))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The queue and its spool: shared, damaged, full, and left behind by a process that was killed.
+// The queue and its spool: shared, damaged, full, or left by a process that was killed.
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -64,9 +64,8 @@ TEST_F(RebuildQueueTest, ASpoolThatCannotBeUsedIsSaidAndLivedWithout) {
 
 TEST_F(RebuildQueueTest, DamagedFilesInTheSpoolAreFailuresOnce) {
   {
-    std::string error;
-    const auto spool = Spool::open(options_.spool, 1'000'000, &error);
-    for (int id = 1; id <= 4; ++id) spool->add(small_job(id), &error);
+    const auto spool = Spool::open(options_.spool, 1'000'000).value();
+    for (int id = 1; id <= 4; ++id) ASSERT_TRUE(spool->add(small_job(id)));
   }
   const auto path = [&](const std::string& name) { return options_.spool + "/" + name; };
   testing::write_file(path("7-1.window"), testing::read_file(path("7-1.window")).substr(0, 20'000));
@@ -85,7 +84,7 @@ TEST_F(RebuildQueueTest, DamagedFilesInTheSpoolAreFailuresOnce) {
   EXPECT_THAT(again.windows, IsEmpty());
 }
 
-// As a program with other wire types would have left them.
+// Changes the message into one that this version cannot decode, as if another version had written it.
 std::string of_another_version(std::string message) {
   message[0] = static_cast<char>(message[0] ^ 0x55);
   return message;
@@ -94,15 +93,14 @@ std::string of_another_version(std::string message) {
 TEST_F(RebuildQueueTest, ASpoolOfAnotherVersionIsKeptAndStopsNobody) {
   const auto path = [&](const std::string& name) { return options_.spool + "/" + name; };
   {
-    std::string error;
-    const auto spool = Spool::open(options_.spool, 1'000'000, &error);
-    for (int id = 1; id <= 3; ++id) spool->add(small_job(id), &error);
+    const auto spool = Spool::open(options_.spool, 1'000'000).value();
+    for (int id = 1; id <= 3; ++id) ASSERT_TRUE(spool->add(small_job(id)));
     const auto claim = spool->claim({7, 2});
     const std::vector<uint8_t> submap = encode_message(make_submap_update(*fake_result(small_job(2)).submap, 0));
-    spool->store_submap({7, 2}, submap);
+    ASSERT_TRUE(spool->store_submap({7, 2}, submap));
   }
   const std::string window = testing::read_file(path("7-1.window"));
-  const size_t manifest = 28 + std::string(kWindowJobChannel).size();  // after the header of the event
+  const size_t manifest = 28 + std::string(kWindowJobChannel).size();  // begins after the event's header
   testing::write_file(path("7-1.window"), window.substr(0, manifest) + of_another_version(window.substr(manifest)));
   const std::string submap = of_another_version(testing::read_file(path("7-2.submap")));
   testing::write_file(path("7-2.submap"), submap);
@@ -121,9 +119,8 @@ TEST_F(RebuildQueueTest, ASpoolOfAnotherVersionIsKeptAndStopsNobody) {
 TEST_F(RebuildQueueTest, WhatIsLargerThanAnyWindowIsKeptAndStopsNobody) {
   const auto path = [&](const std::string& name) { return options_.spool + "/" + name; };
   {
-    std::string error;
-    const auto spool = Spool::open(options_.spool, 1'000'000, &error);
-    for (int id = 1; id <= 2; ++id) spool->add(small_job(id), &error);
+    const auto spool = Spool::open(options_.spool, 1'000'000).value();
+    for (int id = 1; id <= 2; ++id) ASSERT_TRUE(spool->add(small_job(id)));
   }
   testing::write_file(path("7-9.submap"), "x");
   fs::resize_file(path("7-1.window"), static_cast<uintmax_t>(kMaxWindowBytes) + 1);
@@ -153,10 +150,10 @@ TEST_F(RebuildQueueTest, AFullDiskFailsNothing) {
   EXPECT_EQ(result, 0);
 }
 
-// kill -9 at a chosen moment of a window's life; then another process goes on.
+// A process is killed at a chosen moment of a window's life, and another process goes on.
 class KilledRuminator : public RebuildQueueTest, public ::testing::WithParamInterface<const char*> {
  protected:
-  // In a child, which does not return.
+  // Runs in a child process, and does not return.
   [[noreturn]] void live_and_die(const std::string& moment) {
     const auto die_at = [&](const std::string& here) {
       if (moment == here) raise(SIGKILL);
@@ -177,8 +174,7 @@ class KilledRuminator : public RebuildQueueTest, public ::testing::WithParamInte
       die_at("sent");
     };
     world.map_server_answers = moment != "stored";
-    std::string error;
-    if (moment == "queued") Spool::open(options_.spool, 1'000'000, &error)->add(small_job(1), &error);
+    if (moment == "queued" && !Spool::open(options_.spool, 1'000'000).value()->add(small_job(1))) _exit(2);
     die_at("queued");
     world.queue->add(small_job(1));
     die_at("stored");

@@ -48,7 +48,7 @@ TEST_F(RebuildQueueTest, WithoutASpoolNothingRemainsOfAFailure) {
     fs::create_directories(work);
     testing::write_file(work + "/colmap.log", "said COLMAP");
     BuildResult result;
-    result.failure = "no model";
+    result.submap = Error{"no model"};
     return result;
   });
   world.queue->add(small_job(1));
@@ -76,7 +76,7 @@ TEST_F(RebuildQueueTest, InAThreadOfItsOwnAtLowPriority) {
   EXPECT_EQ(niceness, std::min(our_niceness + 7, 19));
   EXPECT_EQ(getpriority(PRIO_PROCESS, 0), our_niceness) << "nobody else";
   world.windows.clear();
-  world.run_for(3.5);  // while it works: everything once a second
+  world.run_for(3.5);  // while the window is being rebuilt, it is announced every second
   EXPECT_EQ(std::count_if(world.windows.begin(), world.windows.end(),
                           [](const window_t& w) {
                             return w.window_id == 1 && w.state == window_t::MAPPING && w.progress == 0.25f &&
@@ -101,7 +101,7 @@ TEST_F(RebuildQueueTest, SaysHowLongAfterTheResumptionItPublishedAlsoWhenTheImag
   });
   const testing::CapturedLog log;
   const WindowJob job = small_job(1);
-  world.queue->set_frame_time(job.window.resumed_utime_us + 1'500'000);  // and no image follows
+  world.queue->set_frame_time(job.window.resumed_utime_us + 1'500'000);  // no image follows
   world.queue->add(job);
   world.run_for(6);
   go = true;
@@ -119,14 +119,14 @@ TEST_F(RebuildQueueTest, AFailureSaysWhyAndIsKept) {
     fs::create_directories(work);
     testing::write_file(work + "/colmap.log", "said COLMAP");
     BuildResult result;
-    result.failure = "no model with a gap frame";
+    result.submap = Error{"no model with a gap frame"};
     return result;
   });
   world.queue->add(small_job(1));
   world.run_for(1);
   EXPECT_EQ(world.windows.back().state, window_t::FAILED);
   EXPECT_EQ(world.windows.back().reason, "no model with a gap frame");
-  EXPECT_TRUE(read_window_job(folder_ / "spool/failed/7-1.window").ok());
+  EXPECT_TRUE(read_window_job(folder_ / "spool/failed/7-1.window").has_value());
   EXPECT_THAT(testing::read_file(folder_ / "spool/failed/7-1.log"), HasSubstr("said COLMAP"));
   EXPECT_THAT(left(), IsEmpty());
   EXPECT_THAT(world.queue->detail(), HasSubstr("1 failed"));
@@ -140,7 +140,7 @@ TEST_F(RebuildQueueTest, ABuilderThatThrowsOrReturnsNonsenseIsAFailure) {
     if (++call == 1) throw std::runtime_error("out of luck");
     BuildResult result = fake_result(job);
     if (call == 2) result.submap->keyframes[0].cam_from_submap.translation.x() = std::nan("");
-    if (call == 3) result.submap.reset();
+    if (call == 3) result = {};
     return result;
   });
   for (int id = 1; id <= 3; ++id) world.queue->add(small_job(id));
@@ -149,6 +149,7 @@ TEST_F(RebuildQueueTest, ABuilderThatThrowsOrReturnsNonsenseIsAFailure) {
   for (int id = 1; id <= 3; ++id) EXPECT_TRUE(world.announced(id, window_t::FAILED)) << id;
   EXPECT_THAT(testing::read_file(folder_ / "spool/failed/7-1.txt"), HasSubstr("out of luck"));
   EXPECT_THAT(testing::read_file(folder_ / "spool/failed/7-2.txt"), HasSubstr("not consistent"));
+  EXPECT_THAT(testing::read_file(folder_ / "spool/failed/7-3.txt"), HasSubstr("rebuilding gave nothing"));
 }
 
 TEST_F(RebuildQueueTest, WhereTheMachineFailsItIsTriedAgain) {
@@ -158,7 +159,7 @@ TEST_F(RebuildQueueTest, WhereTheMachineFailsItIsTriedAgain) {
     ++tries;
     BuildResult result;
     if (job.window.id == 2 && tries == 5) return fake_result(job);
-    result.failure = "colmap: not found";
+    result.submap = Error{"colmap: not found"};
     result.retryable = true;
     return result;
   };
@@ -238,9 +239,8 @@ TEST_F(RebuildQueueTest, FinishingDoesNotWaitForWhatCannotBe) {
   World world(options_, [&](const WindowJob& job, const std::string&, const auto&, const auto&) {
     BuildResult result = fake_result(job);
     if (job.window.id != 1) return result;
-    result.submap.reset();
     result.retryable = true;
-    result.failure = "no colmap";
+    result.submap = Error{"no colmap"};
     return result;
   });
   world.refusal = "disk full";

@@ -25,17 +25,9 @@ constexpr int64_t kMegabyte = 1'000'000;
 class SpoolTest : public ::testing::Test {
  protected:
   std::unique_ptr<Spool> open(int64_t failed_bytes = kMegabyte) {
-    std::string error;
-    auto spool = Spool::open(folder_ / "spool", failed_bytes, &error);
-    EXPECT_TRUE(spool) << error;
-    return spool;
+    return Spool::open(folder_ / "spool", failed_bytes).value();
   }
-  static Spool::Added add(Spool& spool, int32_t id) {
-    std::string error;
-    const Spool::Added added = spool.add(small_job(id), &error);
-    EXPECT_EQ(error, "");
-    return added;
-  }
+  static Spool::Added add(Spool& spool, int32_t id) { return spool.add(small_job(id)).value(); }
   std::vector<std::string> files(const std::string& in = "spool") const {
     std::vector<std::string> names;
     for (const auto& entry : fs::directory_iterator(folder_ / in)) names.push_back(entry.path().filename().string());
@@ -55,21 +47,20 @@ TEST_F(SpoolTest, AJobGoesFromStateToState) {
   EXPECT_THAT(spool->waiting(), ElementsAre(name));
   EXPECT_EQ(spool->last_id(7), 1);
   EXPECT_EQ(spool->last_id(8), 0);
-  EXPECT_TRUE(read_window_job(spool->window_file(name)).ok());
+  EXPECT_TRUE(read_window_job(spool->window_file(name)).has_value());
   {
     const auto claim = spool->claim(name);
     ASSERT_TRUE(claim);
     EXPECT_EQ(spool->begin_try(name), 1);
     fs::create_directory(spool->work_folder(name));
     const std::vector<uint8_t> submap{1, 2, 3};
-    EXPECT_EQ(spool->store_submap(name, submap), "");
+    EXPECT_TRUE(spool->store_submap(name, submap));
     EXPECT_THAT(files(), UnorderedElementsAre("7-1.id", "7-1.submap", "failed"));
     EXPECT_THAT(spool->waiting(), IsEmpty());
     EXPECT_THAT(spool->built(), ElementsAre(name));
-    std::vector<uint8_t> read;
-    EXPECT_EQ(spool->read_submap(name, &read), "");
-    EXPECT_EQ(read, submap);
-    EXPECT_EQ(spool->complete(name), "");
+    EXPECT_EQ(spool->read_submap(name).value(), submap);
+    EXPECT_TRUE(spool->complete(name));
+    EXPECT_THAT(spool->read_submap(name).error_text(), HasSubstr("7-1.submap: cannot be read (No such file"));
   }
   EXPECT_THAT(files(), UnorderedElementsAre("7-1.id", "failed"));
   EXPECT_EQ(spool->last_id(7), 1) << "a restarted ruminator must not use the id again";
@@ -97,8 +88,7 @@ TEST_F(SpoolTest, TheClaimOfAKilledProcessIsNoClaim) {
   ASSERT_EQ(pipe(ready), 0);
   const pid_t child = fork();
   if (child == 0) {
-    std::string error;
-    const auto theirs = Spool::open(folder_ / "spool", kMegabyte, &error);
+    const auto theirs = Spool::open(folder_ / "spool", kMegabyte).value();
     const auto claim = theirs->claim({7, 1});
     theirs->begin_try({7, 1});
     if (write(ready[1], claim ? "y" : "n", 1) != 1) _exit(1);
@@ -120,12 +110,14 @@ TEST_F(SpoolTest, EveryStateThatADeathCanLeaveIsUnderstood) {
   {
     const auto spool = open();
     for (const int id : {1, 2, 3}) add(*spool, id);
-    // 2: died between making the submap and removing the job. 3: died while rebuilding.
+    // Window 2: the process died after it stored the submap and before it removed the job. Window 3: it died during a
+    // rebuild.
     testing::write_file(folder_ / "spool/7-2.submap", "built");
     fs::create_directory(spool->work_folder({7, 3}));
     touch("7-3.work/database.db", "half");
     touch("7-3.tries", "|");
-    // Died after removing the job; while writing; while deleting a work folder of a job that is gone.
+    // Processes died after they removed the job (4), while they wrote (5), and while they deleted the work folder of a
+    // finished job (8); 6 is being written.
     touch("7-4.submap", "built");
     touch("7-5.window.ruminator@somewhere:1.tmp", "half");
     fs::last_write_time(folder_ / "spool/7-5.window.ruminator@somewhere:1.tmp",
@@ -133,7 +125,7 @@ TEST_F(SpoolTest, EveryStateThatADeathCanLeaveIsUnderstood) {
     touch("7-6.window.ruminator@somewhere:1.tmp", "is being written");
     fs::create_directory(folder_ / "spool/7-8.work");
     touch("7-8.tries", "||");
-    // Nothing of ours.
+    // These files are not the spool's.
     touch("notes.txt");
     touch("x-y.window");
     touch("7--1.window");
@@ -162,13 +154,13 @@ TEST_F(SpoolTest, FailedJobsAreKeptWithReasonAndLog) {
   fs::create_directory(spool->work_folder({7, 1}));
   touch("7-1.work/colmap.log", "what COLMAP said\n");
   touch("7-1.work/database.db", std::string(100'000, 'x'));
-  EXPECT_THAT(spool->fail({7, 1}, "no model"), HasSubstr("failed/7-1.window"));
+  EXPECT_THAT(spool->fail({7, 1}, "no model").value_or(""), HasSubstr("failed/7-1.window"));
   EXPECT_THAT(files(), UnorderedElementsAre("7-1.id", "failed"));
   EXPECT_THAT(files("spool/failed"), UnorderedElementsAre("7-1.window", "7-1.txt", "7-1.log"));
   EXPECT_EQ(testing::read_file(folder_ / "spool/failed/7-1.txt"), "no model\n");
   EXPECT_THAT(testing::read_file(folder_ / "spool/failed/7-1.log"), HasSubstr("what COLMAP said"));
-  EXPECT_TRUE(read_window_job(folder_ / "spool/failed/7-1.window").ok());
-  // By hand: once more.
+  EXPECT_TRUE(read_window_job(folder_ / "spool/failed/7-1.window").has_value());
+  // A user moves the job back by hand, so it is tried again.
   fs::rename(folder_ / "spool/failed/7-1.window", folder_ / "spool/7-1.window");
   EXPECT_THAT(spool->waiting(), ElementsAre(JobName{7, 1}));
 }
@@ -220,15 +212,13 @@ TEST_F(SpoolTest, IdsAreForgottenWhenThereAreMany) {
 }
 
 TEST_F(SpoolTest, AFolderThatCannotBeUsedIsNamed) {
-  std::string error;
   testing::write_file(folder_ / "file", "");
-  EXPECT_FALSE(Spool::open(folder_ / "file", kMegabyte, &error));
-  EXPECT_THAT(error, HasSubstr("/file: windows cannot be kept in it"));
+  EXPECT_THAT(Spool::open(folder_ / "file", kMegabyte).error_text(), HasSubstr("/file: windows cannot be kept in it"));
   const int result = testing::run_on_small_disk(folder_.path().string(), kMegabyte, [&] {
     fs::create_directories(folder_ / "spool/failed");
     if (mount("tmpfs", folder_.path().c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, nullptr) != 0) return 1;
-    std::string problem;
-    if (Spool::open(folder_ / "spool", kMegabyte, &problem)) return 2;
+    const std::string problem = Spool::open(folder_ / "spool", kMegabyte).error_text();
+    if (problem.empty()) return 2;
     return problem.find("spool: windows cannot be kept in it (Read-only") != std::string::npos ? 0 : 3;
   });
   if (result < 0) GTEST_SKIP() << "no user namespaces here: cannot mount a small disk";
@@ -237,19 +227,20 @@ TEST_F(SpoolTest, AFolderThatCannotBeUsedIsNamed) {
 
 TEST_F(SpoolTest, AFullDiskIsReportedAndSpoilsNothing) {
   const int result = testing::run_on_small_disk(folder_.path().string(), 400'000, [&] {
-    std::string error;
-    const auto spool = Spool::open(folder_ / "spool", kMegabyte, &error);
+    const auto spool = Spool::open(folder_ / "spool", kMegabyte).value();
     int id = 1;
-    while (id < 100 && spool->add(small_job(id), &error) == Spool::Added::kAdded) ++id;
+    std::string error;
+    for (; id < 100 && error.empty(); ++id) error = spool->add(small_job(id)).error_text();
+    --id;  // the number of the one that failed
     if (error.find("No space left") == std::string::npos) return 1;
     if (static_cast<int>(spool->waiting().size()) != id - 1) return 2;
     const auto claim = spool->claim({7, 1});
     if (spool->begin_try({7, 1}) < 1) return 3;
     const std::vector<uint8_t> submap(200'000);
-    if (spool->store_submap({7, 1}, submap).find("No space left") == std::string::npos) return 4;
+    if (spool->store_submap({7, 1}, submap).error_text().find("No space left") == std::string::npos) return 4;
     if (!spool->is_waiting({7, 1})) return 5;
     for (const JobName name : spool->waiting())
-      if (!read_window_job(spool->window_file(name)).ok()) return 6;
+      if (!read_window_job(spool->window_file(name)).has_value()) return 6;
     return 0;
   });
   if (result < 0) GTEST_SKIP() << "no user namespaces here: cannot mount a small disk";

@@ -11,7 +11,7 @@
 namespace rumi::ruminator {
 namespace {
 
-// Frames 0, 1, 2, 4, 5, 6 with their true poses, and points that tell which see the same.
+// Frames 0, 1, 2, 4, 5, 6 with their true poses, and points whose tracks tell which frames see the same place.
 struct Fixture {
   Camera camera;
   std::vector<SeenImage> images;
@@ -23,11 +23,10 @@ Fixture make_fixture() {
   Fixture f;
   f.camera = window.job.camera;
   for (int i = 0; i < 7; ++i) {
-    std::string error;
-    f.images.push_back({window.job.images[i].utime, decode_grey(window.job.images[i], &error)});
+    f.images.push_back({window.job.images[i].utime, decode_grey(window.job.images[i]).value()});
     if (i != 3) f.model.cam_from_world[i] = window.cam_from_map[i];
   }
-  // Some points before the camera, 3 m away.
+  // Adds points 3 m in front of the middle frame.
   SyntheticScene random(1);
   for (int p = 0; p < 30; ++p) {
     const Eigen::Vector3d in_camera(random.uniform(-1, 1), random.uniform(-0.8, 0.8), 3);
@@ -88,7 +87,7 @@ TEST(BackLandmarks, KeepThePosesUpToTheUnit) {
     EXPECT_EQ(keyframe.utime_us, f.images[image].utime_us);
     EXPECT_LT(keyframe.cam_from_submap.rotation.angularDistance(pose.rotation), 1e-9);
     EXPECT_LT((3.0 * keyframe.cam_from_submap.translation - pose.translation).norm(),
-              0.1 * pose.translation.norm());  // the median depth is about 3
+              0.1 * pose.translation.norm());  // because the unit, the median depth, is about 3 m
   }
 }
 

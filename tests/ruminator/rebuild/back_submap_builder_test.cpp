@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From the images of a window to the back submap, with COLMAP as installed and without.
+// From the images of a window to the back submap, with the installed COLMAP and without.
 #include "ruminator/rebuild/back_submap_builder.h"
 
 #include <gmock/gmock.h>
@@ -27,7 +27,7 @@ const auto kNoProgress = [](const BuildProgress&) {};
 
 BuildOptions quick_options() {
   BuildOptions options;
-  options.sift_keypoints = 300;  // small pictures; and sanitizers make matching slow
+  options.sift_keypoints = 300;  // enough for small pictures; sanitizers make matching slow
   return options;
 }
 
@@ -62,8 +62,7 @@ std::vector<uint8_t> wire(const Submap& submap) {
 }
 
 void expect_whole(const RenderedWindow& window, const BuildResult& result) {
-  ASSERT_EQ(result.failure, "");
-  ASSERT_TRUE(result.submap);
+  ASSERT_TRUE(result.submap) << result.submap.error_text();
   const Submap& submap = *result.submap;
   EXPECT_EQ(submap.key, (SubmapKey{77, -3}));
   EXPECT_EQ(submap.kind, SubmapKind::kBack);
@@ -85,7 +84,7 @@ void expect_whole(const RenderedWindow& window, const BuildResult& result) {
   }
   Submap received;
   received.key = submap.key;
-  EXPECT_EQ(apply_submap_update(make_submap_update(submap, 0), &received), "");
+  EXPECT_EQ(apply_submap_update(make_submap_update(submap, 0), &received).error_text(), "");
   EXPECT_EQ(received.keyframes.size(), submap.keyframes.size());
   EXPECT_EQ(received.landmarks.size(), submap.landmarks.size());
 }
@@ -107,20 +106,20 @@ TEST(BackSubmapBuilder, RebuildsARenderedWindow) {
   EXPECT_EQ(reports.back().stage, BuildStage::kMapping);
   for (const BuildProgress& p : reports) EXPECT_TRUE(p.fraction >= 0 && p.fraction <= 1) << p.fraction;
 
-  // Again, without anyone to tell: to the bit the same.
+  // A second run, without a progress handler, gives the same result bit by bit.
   const BuildResult again = build_back_submap(window.job, quick_options(), folder / "work", {}, kNever);
   ASSERT_TRUE(again.submap);
   EXPECT_EQ(wire(*again.submap), wire(*result.submap));
 }
 
-// Without COLMAP, and with images that cannot be used.
+// The tests from here on need no COLMAP.
 TEST(BackSubmapBuilder, LargeImagesAreWorkedOnSmaller) {
   const RenderedWindow& window = rendered_window();
   const TemporaryFolder folder;
   BuildOptions options = without_colmap();
   options.max_image_side = 240;
   const BuildResult result = build_back_submap(window.job, options, folder / "work", kNoProgress, kNever);
-  ASSERT_TRUE(result.submap) << result.failure;
+  ASSERT_TRUE(result.submap) << result.submap.error_text();
   EXPECT_EQ(result.submap->camera.width, 240);
   EXPECT_EQ(result.submap->camera.height, 180);
   EXPECT_LT(ate_over_path(window, *result.submap), 0.03);
@@ -139,7 +138,7 @@ TEST(BackSubmapBuilder, LeavesOutWhatItCannotUse) {
   job.images[18].size = 10;
   const TemporaryFolder folder;
   const BuildResult result = build_back_submap(job, without_colmap(), folder / "work", kNoProgress, kNever);
-  ASSERT_EQ(result.failure, "");
+  ASSERT_TRUE(result.submap) << result.submap.error_text();
   EXPECT_THAT(result.warning, HasSubstr("/no/such/colmap"));
   EXPECT_EQ(result.approach, 5);
   EXPECT_EQ(result.gap, 6);
@@ -178,7 +177,7 @@ struct Hopeless {
 
 class HopelessWindow : public ::testing::TestWithParam<Hopeless> {};
 
-// The reason is told before any attempt is made.
+// The build fails with its reason before the first attempt.
 TEST_P(HopelessWindow, FailsAtOnceWithItsReason) {
   WindowJob job = rendered_window().job;
   GetParam().spoil(&job);
@@ -187,14 +186,13 @@ TEST_P(HopelessWindow, FailsAtOnceWithItsReason) {
   EXPECT_FALSE(result.submap);
   EXPECT_FALSE(result.cancelled);
   EXPECT_FALSE(result.retryable);
-  EXPECT_THAT(result.failure, HasSubstr(GetParam().failure));
+  EXPECT_THAT(result.submap.error_text(), HasSubstr(GetParam().failure));
   EXPECT_EQ(result.models_tried, 0);
 }
 
-// The same picture, with a sensor's noise.
+// Shows the same picture in all images, with the noise of a sensor.
 void stand_still(WindowJob* job) {
-  std::string error;
-  const cv::Mat first = decode_grey(job->images[0], &error);
+  const cv::Mat first = decode_grey(job->images[0]).value();
   cv::RNG random(1);
   for (size_t i = 0; i < job->images.size(); ++i) {
     cv::Mat noise(first.size(), CV_16S), noisy;
@@ -226,7 +224,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(BackSubmapBuilder, SaysWhereItCannotWork) {
   const BuildResult result =
       build_back_submap(rendered_window().job, quick_options(), "/proc/nothing/here", kNoProgress, kNever);
-  EXPECT_THAT(result.failure, HasSubstr("/proc/nothing/here"));
+  EXPECT_THAT(result.submap.error_text(), HasSubstr("/proc/nothing/here"));
   EXPECT_TRUE(result.retryable);
 }
 

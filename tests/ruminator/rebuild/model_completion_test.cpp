@@ -19,7 +19,7 @@ std::vector<int64_t> utimes_of(const TestWindow& w) {
   return utimes;
 }
 
-// The truth, but the images from `first` on are put elsewhere.
+// Returns the true poses, with the images from `first` on moved by `elsewhere`.
 SparseModel moved_from(const TestWindow& w, int first, const Sim3& elsewhere) {
   SparseModel model = testing::true_model(w);
   model.points.clear();
@@ -38,7 +38,7 @@ WindowModel complete(const TestWindow& w, const SparseModel& model, const std::v
 TEST(ModelCompletion, WhatIsTornOffIsRegrown) {
   TestWindow w = testing::turning_window(16, 6);
   testing::spoil(&w, 0.02, 0.05);
-  // The one is only moved away, the other has another unit besides.
+  // In one model they are only moved, in the other they also have another unit.
   for (const double scale : {1.0, 0.3}) {
     const WindowModel candidate =
         complete(w, moved_from(w, 10, Sim3(scale, Eigen::Quaterniond::Identity(), {0, 0, 4})));
@@ -60,7 +60,7 @@ class SplitWindow : public ::testing::Test {
     std::vector<Sample> samples;
     const std::vector<int64_t> utimes = utimes_of(w_);
     for (int i = 0; i < 16; ++i) {
-      if (i >= 7 && i < 10) continue;  // the gap
+      if (i >= 7 && i < 10) continue;  // these frames are in the gap
       SE3 pose = Sim3(0.3, so3_exp({0, 1, 0}), {7, 0, 0}).transform_camera(w_.cam_from_world[i]);
       pose.translation += 0.001 * Eigen::Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
       samples.push_back(
@@ -91,7 +91,8 @@ TEST_F(SplitWindow, IsItsLargerSideWhereNothingJoinsIt) {
   }
 }
 
-// Each half agrees with the front submap, in a unit of its own; many points across the middle tell that it is one.
+// Each half of the model agrees with the front submap, but in different units. Many points across the middle prove that
+// the model has only one unit.
 TEST(ModelCompletion, AFrontSubmapThatSlippedChangesNothing) {
   TestWindow w = testing::sideways_window(16);
   testing::spoil(&w, 0.02, 0.05);

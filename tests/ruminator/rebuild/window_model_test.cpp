@@ -56,27 +56,27 @@ TEST(WindowModel, HasEveryImageAtItsPlace) {
   std::vector<double> fractions;
   const WindowModelResult result = build(w, {}, folder, [&](double f) { fractions.push_back(f); });
   if (is_missing(result)) GTEST_SKIP() << "SKIPPED: " << result.warning;
-  ASSERT_EQ(result.failure, "");
+  ASSERT_TRUE(result.best) << result.best.error_text();
   EXPECT_EQ(result.warning, "");
-  EXPECT_THAT(result.best.origin, StartsWith("global model"));
-  EXPECT_EQ(result.best.doubt, "");
-  EXPECT_EQ(result.best.model.cam_from_world.size(), w.images.size());
-  EXPECT_LT(result.best.quality.rmse_px, 1.3);
-  EXPECT_LT(result.best.pair_rotation_deg, 1);
-  EXPECT_LT(testing::worst_center_error(w, result.best.model), 0.01);
+  EXPECT_THAT(result.best->origin, StartsWith("global model"));
+  EXPECT_EQ(result.best->credible.error_text(), "");
+  EXPECT_EQ(result.best->model.cam_from_world.size(), w.images.size());
+  EXPECT_LT(result.best->quality.rmse_px, 1.3);
+  EXPECT_LT(result.best->pair_rotation_deg, 1);
+  EXPECT_LT(testing::worst_center_error(w, result.best->model), 0.01);
   EXPECT_GT(result.child_cpu_s, 0);
   ASSERT_FALSE(fractions.empty());
   EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
 
   const TemporaryFolder other;
   const WindowModelResult again = build(w, {}, other);
-  EXPECT_TRUE(testing::is_identical(again.best.model, result.best.model));
-  EXPECT_EQ(again.best.origin, result.best.origin);
+  EXPECT_TRUE(testing::is_identical(again.best->model, result.best->model));
+  EXPECT_EQ(again.best->origin, result.best->origin);
 }
 
-// From the images before `first` to the others a fifth of the points is seen at wrong places.
+// Displaces a fifth of the keypoints by which the images before `first` are matched with the others.
 void blur_from(int first, TestWindow* w) {
-  std::map<std::pair<int, int>, int> wrong;  // keypoint elsewhere, by image and keypoint
+  std::map<std::pair<int, int>, int> wrong;  // index of the displaced keypoint, by image and keypoint
   for (ImagePair& pair : w->pairs) {
     if (pair.first >= first || pair.second < first) continue;
     std::vector<Eigen::Vector2f>& keypoints = w->images[pair.first].keypoints;
@@ -91,7 +91,7 @@ void blur_from(int first, TestWindow* w) {
 }
 
 TEST(WindowModel, IsMoreThanAGapThatNothingJoinsToTheFront) {
-  constexpr int kKnown = 6;  // images that front_tracker has poses of
+  constexpr int kKnown = 6;  // images for which front_tracker has poses
   TestWindow w = testing::sideways_window(18);
   std::erase_if(w.pairs, [](const ImagePair& pair) { return pair.second - pair.first > 3; });
   blur_from(kKnown, &w);
@@ -100,15 +100,15 @@ TEST(WindowModel, IsMoreThanAGapThatNothingJoinsToTheFront) {
 
   const TemporaryFolder folder;
   const WindowModelResult alone = build(w, without_colmap(), folder);
-  ASSERT_EQ(alone.failure, "");
-  EXPECT_EQ(alone.best.broken_off, kKnown) << "front_tracker knows nothing: the larger part will do";
+  ASSERT_TRUE(alone.best) << alone.best.error_text();
+  EXPECT_EQ(alone.best->broken_off, kKnown) << "front_tracker knows nothing: the larger part will do";
   const TemporaryFolder other;
   const WindowModelResult joined = build(w, without_colmap(), other, kNoProgress, front);
-  ASSERT_EQ(joined.failure, "");
-  EXPECT_EQ(joined.best.model.cam_from_world.size(), w.images.size());
-  EXPECT_LT(testing::worst_center_error(w, joined.best.model), 0.01);
-  ASSERT_EQ(joined.best.agreement.size(), 1u);
-  EXPECT_EQ(joined.best.agreement[0].frames, kKnown);
+  ASSERT_TRUE(joined.best) << joined.best.error_text();
+  EXPECT_EQ(joined.best->model.cam_from_world.size(), w.images.size());
+  EXPECT_LT(testing::worst_center_error(w, joined.best->model), 0.01);
+  ASSERT_EQ(joined.best->agreement.size(), 1u);
+  EXPECT_EQ(joined.best->agreement[0].frames, kKnown);
   EXPECT_GT(joined.attempts, alone.attempts);
 }
 
@@ -116,22 +116,22 @@ TEST(WindowModel, IsTheGlobalOneWithoutColmap) {
   const TestWindow w = window_with_outliers();
   const TemporaryFolder folder;
   const WindowModelResult result = build(w, without_colmap(), folder);
-  ASSERT_EQ(result.failure, "");
+  ASSERT_TRUE(result.best) << result.best.error_text();
   EXPECT_THAT(result.warning, HasSubstr(kNoColmap));
-  EXPECT_EQ(result.best.origin, "global model");
-  EXPECT_EQ(result.best.model.cam_from_world.size(), w.images.size());
-  EXPECT_LT(testing::worst_center_error(w, result.best.model), 0.01);
+  EXPECT_EQ(result.best->origin, "global model");
+  EXPECT_EQ(result.best->model.cam_from_world.size(), w.images.size());
+  EXPECT_LT(testing::worst_center_error(w, result.best->model), 0.01);
   EXPECT_EQ(result.child_cpu_s, 0);
 }
 
-// A program that is there and ends with an error is no reason either to lose the global model.
+// If COLMAP ends with an error, the global model must not be lost either.
 TEST(WindowModel, SurvivesAColmapThatFails) {
   const TestWindow w = window_with_outliers();
   const TemporaryFolder folder;
   BuildOptions options;
   options.colmap = "false";
   const WindowModelResult result = build(w, options, folder);
-  EXPECT_EQ(result.failure, "");
+  EXPECT_TRUE(result.best) << result.best.error_text();
   EXPECT_NE(result.warning, "");
 }
 
@@ -142,17 +142,17 @@ TEST(WindowModel, IsColmapsWhereThereIsNoGlobalOne) {
   options.global_track_images = 1000;
   const WindowModelResult result = build(w, options, folder);
   if (is_missing(result)) GTEST_SKIP() << "SKIPPED: " << result.warning;
-  ASSERT_EQ(result.failure, "");
-  EXPECT_THAT(result.best.origin, StartsWith("COLMAP, first pair at"));
-  EXPECT_EQ(result.best.model.cam_from_world.size(), w.images.size());
-  EXPECT_LT(testing::worst_center_error(w, result.best.model), 0.01);
+  ASSERT_TRUE(result.best) << result.best.error_text();
+  EXPECT_THAT(result.best->origin, StartsWith("COLMAP, first pair at"));
+  EXPECT_EQ(result.best->model.cam_from_world.size(), w.images.size());
+  EXPECT_LT(testing::worst_center_error(w, result.best->model), 0.01);
 }
 
 TEST(WindowModel, WithoutColmapAndGlobalModelMayComeLater) {
   TestWindow w = testing::sideways_window(2);
   const TemporaryFolder folder;
   const WindowModelResult result = build(w, without_colmap(), folder);
-  EXPECT_THAT(result.failure, HasSubstr(kNoColmap));
+  EXPECT_THAT(result.best.error_text(), HasSubstr(kNoColmap));
   EXPECT_TRUE(result.retryable);
 }
 
@@ -162,8 +162,7 @@ TEST(WindowModel, OfNothingIsAFailureWithAReason) {
     w.pairs.clear();
     const TemporaryFolder folder;
     const WindowModelResult result = build(w, {}, folder);
-    EXPECT_NE(result.failure, "") << images;
-    EXPECT_TRUE(result.best.model.cam_from_world.empty());
+    EXPECT_NE(result.best.error_text(), "") << images;
   }
 }
 
@@ -172,7 +171,7 @@ TEST(WindowModel, OfAPureRotationIsRefused) {
   for (int i = 0; i < 8; ++i) path.push_back(SyntheticScene::pose(0, 0, 0, 0.05 * i));
   const TestWindow w = testing::make_window(path, SyntheticScene(7).cloud(400), 0.7);
   const TemporaryFolder folder;
-  EXPECT_NE(build(w, without_colmap(), folder).failure, "");
+  EXPECT_FALSE(build(w, without_colmap(), folder).best);
 }
 
 TEST(WindowModel, RefusedForItsErrorSaysSo) {
@@ -181,14 +180,14 @@ TEST(WindowModel, RefusedForItsErrorSaysSo) {
   BuildOptions options = without_colmap();
   options.max_rmse_px = 0.1;
   const WindowModelResult result = build(w, options, folder);
-  EXPECT_THAT(result.failure, HasSubstr("no credible model in"));
-  EXPECT_THAT(result.failure, HasSubstr("global model (12 of 12 images): reprojection error"));
+  EXPECT_THAT(result.best.error_text(), HasSubstr("no credible model in"));
+  EXPECT_THAT(result.best.error_text(), HasSubstr("global model (12 of 12 images): reprojection error"));
 }
 
 TEST(WindowModel, CanBeCancelledAtAnyPoint) {
   const TestWindow w = window_with_outliers();
   BuildOptions options;
-  options.max_rmse_px = 0.1;  // no attempt is enough
+  options.max_rmse_px = 0.1;  // so that no attempt is good enough
   for (int calls = 0; calls < 4; ++calls) {
     const TemporaryFolder folder;
     std::atomic<bool> cancel = calls == 0;
@@ -197,7 +196,7 @@ TEST(WindowModel, CanBeCancelledAtAnyPoint) {
     const WindowModelResult result =
         build_window_model({w.camera, w.images, utimes_of(w), w.pairs, {}}, options, folder.path(), progress, cancel);
     EXPECT_TRUE(result.cancelled) << calls;
-    EXPECT_EQ(result.failure, "cancelled");
+    EXPECT_EQ(result.best.error_text(), "cancelled");
   }
 }
 
@@ -206,7 +205,7 @@ TEST(WindowModel, SaysWhereItCannotWrite) {
   const std::atomic<bool> never = false;
   const WindowModelResult result =
       build_window_model({w.camera, w.images, utimes_of(w), w.pairs, {}}, {}, "/proc/nothing", kNoProgress, never);
-  EXPECT_THAT(result.failure, HasSubstr("/proc/nothing/database.db"));
+  EXPECT_THAT(result.best.error_text(), HasSubstr("/proc/nothing/database.db"));
   EXPECT_TRUE(result.retryable);
 }
 
@@ -217,7 +216,7 @@ class Judge : public ::testing::Test {
     WindowModel candidate;
     candidate.model = model;
     candidate.quality.rmse_px = rmse_px;
-    candidate.doubt = "an old doubt";
+    candidate.credible = Error{"an old doubt"};
     judge_model({w_.camera, w_.images, utimes, w_.pairs, front}, relative_rotations(w_.camera, w_.images, w_.pairs), {},
                 &candidate);
     return candidate;
@@ -228,11 +227,11 @@ class Judge : public ::testing::Test {
 };
 
 TEST_F(Judge, AcceptsTheTruthHoweverItIsTurnedAndScaled) {
-  EXPECT_EQ(judged(truth_).doubt, "");
+  EXPECT_EQ(judged(truth_).credible.error_text(), "");
   const Sim3 other_from_world(3, so3_exp({1, 2, 0.5}), {4, 5, 6});
   for (auto& [image, pose] : truth_.cam_from_world) pose = other_from_world.transform_camera(pose);
   const WindowModel candidate = judged(truth_);
-  EXPECT_EQ(candidate.doubt, "");
+  EXPECT_EQ(candidate.credible.error_text(), "");
   EXPECT_LT(candidate.pair_rotation_deg, 0.5);
 }
 
@@ -240,23 +239,23 @@ TEST_F(Judge, RefusesAFoldInTheMiddle) {
   const Sim3 fold(1, so3_exp({0, 10 * M_PI / 180, 0}), Eigen::Vector3d::Zero());
   for (auto& [image, pose] : truth_.cam_from_world)
     if (image >= 6) pose = fold.transform_camera(pose);
-  EXPECT_THAT(judged(truth_).doubt, HasSubstr("rotations differ"));
+  EXPECT_THAT(judged(truth_).credible.error_text(), HasSubstr("rotations differ"));
 }
 
-// The generalized bas-relief ambiguity: a sideways motion taken for a turn.
+// The generalized bas-relief ambiguity: motion to the side is taken for a rotation.
 TEST_F(Judge, RefusesATurnThatGrowsAlongThePath) {
   for (auto& [image, pose] : truth_.cam_from_world)
     pose = SE3(so3_exp({0, 1.5 * image * M_PI / 180, 0}) * pose.rotation, pose.translation);
   const WindowModel candidate = judged(truth_);
   EXPECT_GT(candidate.pair_rotation_deg, 3);
-  EXPECT_THAT(candidate.doubt, HasSubstr("rotations differ"));
+  EXPECT_THAT(candidate.credible.error_text(), HasSubstr("rotations differ"));
 }
 
 TEST_F(Judge, RefusesALargeErrorAndTooFewImages) {
-  EXPECT_THAT(judged(truth_, 1.6).doubt, HasSubstr("reprojection error 1.60 px"));
-  EXPECT_EQ(judged(SparseModel()).doubt, "0 images have a pose");
+  EXPECT_THAT(judged(truth_, 1.6).credible.error_text(), HasSubstr("reprojection error 1.60 px"));
+  EXPECT_EQ(judged(SparseModel()).credible.error_text(), "0 images have a pose");
   while (truth_.cam_from_world.size() > 2) truth_.cam_from_world.erase(truth_.cam_from_world.begin());
-  EXPECT_EQ(judged(truth_).doubt, "2 images have a pose");
+  EXPECT_EQ(judged(truth_).credible.error_text(), "2 images have a pose");
 }
 
 TEST_F(Judge, ARivalMayAddImagesButNotContradict) {
@@ -266,12 +265,12 @@ TEST_F(Judge, ARivalMayAddImagesButNotContradict) {
   SparseModel rival = truth_;
   const Sim3 other_from_world(3, so3_exp({1, 2, 0.5}), {4, 5, 6});
   for (auto& [image, pose] : rival.cam_from_world) pose = other_from_world.transform_camera(pose);
-  EXPECT_EQ(contradiction(part, rival, utimes, {}), "");
-  for (auto& [image, pose] : rival.cam_from_world)  // half of them at twice the scale: the rotations are right
+  EXPECT_EQ(compare_shapes(part, rival, utimes, {}).error_text(), "");
+  for (auto& [image, pose] : rival.cam_from_world)  // half of them at twice the scale; the rotations stay right
     if (image >= 6) pose.translation -= pose.rotation * (pose.center() - rival.cam_from_world.at(5).center());
-  EXPECT_THAT(contradiction(part, rival, utimes, {}), HasSubstr("positions differ"));
+  EXPECT_THAT(compare_shapes(part, rival, utimes, {}).error_text(), HasSubstr("positions differ"));
   while (part.cam_from_world.size() > 2) part.cam_from_world.erase(part.cam_from_world.begin());
-  EXPECT_EQ(contradiction(part, rival, utimes, {}), "") << "too little to compare";
+  EXPECT_EQ(compare_shapes(part, rival, utimes, {}).error_text(), "") << "too little to compare";
 }
 
 TEST_F(Judge, ComparesWithFrontTracker) {

@@ -3,94 +3,74 @@
 
 #include <gmock/gmock.h>
 
-#include <Eigen/Geometry>
-
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
-
-#include "bus/wire/image_codec.h"
+#include "tests/ruminator/rebuild/film.h"
 
 namespace rumi::ruminator {
 namespace {
 
+using testing::Film;
+using testing::film;
 using ::testing::HasSubstr;
 
-const std::atomic<bool> kNoCancel = false;
-
-cv::Mat picture(double blur_px, double brightness) {
-  cv::Mat grey(240, 320, CV_8U);
-  cv::RNG(3).fill(grey, cv::RNG::UNIFORM, 0, 255);
-  cv::GaussianBlur(grey, grey, {}, blur_px);
-  cv::normalize(grey, grey, 0, 255 * brightness, cv::NORM_MINMAX);
-  return grey;
-}
-
-WindowJob job_of(int gap, const cv::Mat& image) {
-  WindowJob job;
-  job.camera.width = image.cols, job.camera.height = image.rows;
-  job.camera.fx = job.camera.fy = 300, job.camera.cx = 160, job.camera.cy = 120;
-  for (int i = 0; i < gap; ++i) {
-    job.window.gap.push_back({.utime_us = 1'000'000 + i});
-    job.images.push_back(make_grey_image(1'000'000 + i, image));
+// A window of six images: two of the approach, two of the gap, two of the departure.
+class Prospects : public ::testing::Test {
+ protected:
+  Prospects() {
+    for (int i = 0; i < 6; ++i) {
+      auto* const part = i < 2 ? &job_.window.approach : i < 4 ? &job_.window.gap : &job_.window.departure;
+      part->push_back({.utime_us = utime(i)});
+    }
   }
-  return job;
-}
+  static int64_t utime(int image) { return 1000 + image; }
+  static UsableImages images_of(const Film& film) {
+    UsableImages images;
+    images.features = film.images;
+    for (size_t i = 0; i < film.images.size(); ++i) images.utimes_us.push_back(utime(static_cast<int>(i)));
+    return images;
+  }
+  std::string of_matches(const Film& film) const {
+    return WindowProspects(job_, film.camera, options_, cancel_).of_matches(images_of(film), film.pairs).error_text();
+  }
 
-TEST(WindowProspects, ABlindGapIsToldAtOnce) {
-  EXPECT_THAT(find_blind_gap(job_of(40, cv::Mat::zeros(240, 320, CV_8U)), {}), HasSubstr("nothing to be seen"));
-  EXPECT_EQ(find_blind_gap(job_of(40, picture(2, 1)), {}), "");
-  EXPECT_EQ(find_blind_gap(job_of(40, picture(2, 0.15)), {}), "") << "dark is not blind";
-}
-
-TEST(WindowProspects, AShortGapIsNotLookedAt) {
-  EXPECT_EQ(find_blind_gap(job_of(4, cv::Mat::zeros(240, 320, CV_8U)), {}), "");
-  EXPECT_EQ(find_blind_gap(job_of(0, picture(2, 1)), {}), "");
-}
-
-// Points of a room, each seen by all images, and all pairs of images matched; the camera turns by 2 degrees from image
-// to image and moves by the step.
-struct Film {
-  Camera camera;
-  std::vector<SiftFeatures> images;
-  std::vector<ImagePair> pairs;
+  WindowJob job_;
+  BuildOptions options_;
+  std::atomic<bool> cancel_ = false;
 };
 
-Film film(int images, double step) {
-  Film film;
-  film.camera.width = 640, film.camera.height = 480;
-  film.camera.fx = film.camera.fy = 500, film.camera.cx = 320, film.camera.cy = 240;
-  cv::RNG random(9);
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < 200; ++i)
-    points.emplace_back(random.uniform(-2.0, 2.0), random.uniform(-1.5, 1.5), random.uniform(3.0, 7.0));
-  for (int k = 0; k < images; ++k) {
-    const Eigen::AngleAxisd turn(k * 2 * M_PI / 180, Eigen::Vector3d::UnitY());
-    SiftFeatures& seen = film.images.emplace_back();
-    for (const Eigen::Vector3d& point : points) {
-      const Eigen::Vector3d p = turn * (point - Eigen::Vector3d(k * step, 0, 0));
-      seen.undistorted.emplace_back(static_cast<float>(500 * p.x() / p.z() + 320 + random.gaussian(0.5)),
-                                    static_cast<float>(500 * p.y() / p.z() + 240 + random.gaussian(0.5)));
-    }
-    for (int other = 0; other < k; ++other) {
-      ImagePair& pair = film.pairs.emplace_back(ImagePair{other, k, {}});
-      for (int i = 0; i < 200; ++i) pair.matches.emplace_back(i, i);
-    }
-  }
-  return film;
+TEST_F(Prospects, AMovingCameraWhoseImagesMatchIsRebuilt) { EXPECT_EQ(of_matches(film(6, 0.1)), ""); }
+
+TEST_F(Prospects, ACameraThatTurnsHasNoParallax) {
+  EXPECT_THAT(of_matches(film(6, 0)), HasSubstr("no parallax between 6 images"));
 }
 
-TEST(WindowProspects, WhatIsPublishedHasAProofOfItsDepth) {
-  const Film turning = film(6, 0), moving = film(6, 0.1);
-  EXPECT_THAT(find_no_depth(turning.camera, turning.images, turning.pairs, {0, 1, 2, 3, 4, 5}, kNoCancel),
-              HasSubstr("0 show depth"));
-  EXPECT_EQ(find_no_depth(moving.camera, moving.images, moving.pairs, {0, 1, 2, 3, 4, 5}, kNoCancel), "");
-  EXPECT_NE(find_no_depth(moving.camera, moving.images, moving.pairs, {0, 5}, kNoCancel), "")
-      << "two images are no model";
-  EXPECT_NE(find_no_depth(moving.camera, moving.images, {}, {0, 1, 2}, kNoCancel), "");
-  EXPECT_EQ(find_no_depth(turning.camera, turning.images, turning.pairs, {0, 1, 2, 3}, true), "") << "called off";
+TEST_F(Prospects, ImagesWithoutMatchesHaveTooLittleInCommon) {
+  Film apart = film(6, 0.1);
+  apart.pairs.clear();
+  EXPECT_THAT(of_matches(apart), HasSubstr("of 6 images no three have enough in common"));
 }
 
-TEST(WindowProspects, UsefulIsWhatPlacesTheGapOrBridgesIt) {
+TEST_F(Prospects, TheGapMustMatchTheImagesAroundIt) {
+  Film apart = film(6, 0.6);
+  const auto is_in_gap = [](int image) { return image == 2 || image == 3; };
+  std::erase_if(apart.pairs, [&](const ImagePair& p) { return is_in_gap(p.first) != is_in_gap(p.second); });
+  std::erase_if(apart.pairs, [](const ImagePair& p) { return p.first < 2 && p.second > 3; });
+  apart.pairs.push_back({0, 6, apart.pairs.front().matches});  // becomes a third image of the approach
+  apart.images.push_back(apart.images.front());
+  job_.window.approach.push_back({.utime_us = utime(6)});
+  EXPECT_THAT(of_matches(apart), HasSubstr("none of the 2 images of the gap has enough in common"));
+}
+
+TEST_F(Prospects, AModelNeedsDepthInItsOwnImages) {
+  const Film moving = film(6, 0.1);
+  const WindowProspects prospects(job_, moving.camera, options_, cancel_);
+  SparseModel model;
+  for (int i = 0; i < 6; ++i) model.cam_from_world[i] = SE3();
+  EXPECT_TRUE(prospects.of_model(images_of(moving), moving.pairs, model));
+  while (model.cam_from_world.size() > 2) model.cam_from_world.erase(model.cam_from_world.begin());
+  EXPECT_FALSE(prospects.of_model(images_of(moving), moving.pairs, model)) << "two images are no model";
+}
+
+TEST(UsefulModel, IsWhatPlacesTheGapOrBridgesIt) {
   EXPECT_TRUE(is_useful(0, 1, 0));
   EXPECT_TRUE(is_useful(3, 0, 3));
   EXPECT_FALSE(is_useful(10, 0, 2));

@@ -48,8 +48,8 @@ TEST(GapThinner, ThinsEvenlyInMotionNotInTime) {
   GapThinner thinner(20);
   double path_px = 0;
   int64_t utime = 0;
-  for (int i = 0; i < 100; ++i) thinner.add(frame(++utime, path_px += 2));  // hovering
-  for (int i = 0; i < 10; ++i) thinner.add(frame(++utime, path_px += 40));  // a fast turn
+  for (int i = 0; i < 100; ++i) thinner.add(frame(++utime, path_px += 2));  // the camera hovers
+  for (int i = 0; i < 10; ++i) thinner.add(frame(++utime, path_px += 40));  // the camera turns fast
   for (int i = 0; i < 100; ++i) thinner.add(frame(++utime, path_px += 2));
   EXPECT_EQ(thinner.frames().size(), 20);
   EXPECT_EQ(thinner.frames().front().sample.utime_us, 1);
@@ -64,7 +64,7 @@ TEST(GapThinner, UniformMotionStaysEven) {
   for (int i = 0; i < 1000; ++i) thinner.add(frame(i, 12.0 * i));
   const std::vector<double> list = steps(thinner);
   ASSERT_EQ(list.size(), 15);
-  EXPECT_LE(*std::max_element(list.begin(), list.end()), 12.0 * 128);  // 64 would be ideal
+  EXPECT_LE(*std::max_element(list.begin(), list.end()), 12.0 * 128);  // 64 steps would be ideal
 }
 
 TEST(GapThinner, BlurredFramesGoFirst) {
@@ -76,20 +76,22 @@ TEST(GapThinner, BlurredFramesGoFirst) {
 
 TEST(GapThinner, ABlurredFrameStaysWhereItHoldsTheChainTogether) {
   GapThinner thinner(6);
-  const double path_px[] = {0, 8, 16, 36, 56, 64, 72};  // 36 is blurred, and 40 px are between its neighbours
+  // The frame at 36 px is blurred, but stays: without it its neighbours would be 40 px apart, more than the 36 px
+  // allowed.
+  const double path_px[] = {0, 8, 16, 36, 56, 64, 72};
   for (int i = 0; i < 7; ++i) thinner.add(frame(i, path_px[i], i == 3 ? 0.1 : 1));
   EXPECT_THAT(utimes(thinner), ElementsAre(0, 2, 3, 4, 5, 6));
 }
 
 TEST(GapThinner, BlurIsRelativeToTheNeighbours) {
-  // The scene grows poor in texture: every frame is less sharp than the first ones, none is blurred.
+  // The scene becomes poor in texture: later frames are less sharp than the first ones, but none is blurred.
   GapThinner thinner(29);
   for (int i = 0; i < 30; ++i) thinner.add(frame(i, i == 20 ? 10.0 * i + 9 : 10.0 * i, i < 15 ? 1 : 0.1));
   EXPECT_THAT(utimes(thinner), ::testing::Contains(15));
   EXPECT_THAT(utimes(thinner), ::testing::Contains(16));
 }
 
-// Withdrawn ones: nobody has looked at them.
+// Frames with withdrawn poses were not measured.
 TEST(GapThinner, FramesOfUnknownSharpnessMakeNoOthersBlurred) {
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
   GapThinner thinner(8);
@@ -98,7 +100,7 @@ TEST(GapThinner, FramesOfUnknownSharpnessMakeNoOthersBlurred) {
   frames.push_back(frame(4, 40, 1));
   for (int i = 5; i < 8; ++i) frames.push_back(frame(i, 10.0 * i, kUnknown));
   thinner.merge(frames);
-  thinner.add(frame(8, 72, 1));  // the one before it moves least
+  thinner.add(frame(8, 72, 1));  // the frame before it moves least
   EXPECT_THAT(utimes(thinner), ElementsAre(0, 1, 2, 3, 4, 5, 6, 8));
 }
 

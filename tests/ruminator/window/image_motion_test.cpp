@@ -11,7 +11,7 @@
 namespace rumi::ruminator {
 namespace {
 
-// Blobs of all sizes, so that both small and large structure is there; `corner` looks at another part of it.
+// Draws circles of many sizes, so that the picture has small and large structure.
 cv::Mat scene(uint64_t seed = 1) {
   cv::Mat world(1000, 1400, CV_8U, cv::Scalar(120));
   cv::RNG random(seed);
@@ -67,7 +67,7 @@ TEST_F(ImageMotionTest, RawAndCompressedImagesAgree) {
 TEST_F(ImageMotionTest, SeesATurnAboutTheOpticalAxis) {
   give(look(world_, 300, 200));
   const ImageMeasure measure = give(look(world_, 300, 200, 4));
-  EXPECT_GT(measure.motion_px.value_or(-1), 8);  // 4 degrees at some 200 px from the middle
+  EXPECT_GT(measure.motion_px.value_or(-1), 8);  // 4 degrees at about 200 px from the middle
   EXPECT_LT(measure.motion_px.value_or(-1), 25);
 }
 

@@ -9,7 +9,7 @@
 namespace rumi::ruminator {
 namespace {
 
-// `black` columns from the left are left out.
+// Returns a mask that masks the left `black` columns.
 cv::Mat columns(int black, int width = 64, int height = 48) {
   cv::Mat world(height, width, CV_8U, cv::Scalar(255));
   world.colRange(0, black) = 0;
@@ -34,15 +34,14 @@ image_t image(const cv::Mat& own_mask = {}, int width = 64, int height = 48) {
   return made;
 }
 
-// Columns that are left out of the image afterwards.
+// Counts the columns that the image's mask masks.
 int black_columns(const LearnedMasks& masks, const image_t& of, int64_t stream = 5) {
   std::vector<image_t> images = {of};
   masks.put_on(&images, stream);
-  const std::string png = metadata(images[0], kMaskKey);
+  const std::string png(metadata(images[0], kMaskKey));
   if (png.empty()) return 0;
-  std::string error;
-  const cv::Mat world = decode_mask(png, &error);
-  EXPECT_EQ(world.size(), cv::Size(images[0].width, images[0].height)) << error;
+  const cv::Mat world = decode_mask(png).value();
+  EXPECT_EQ(world.size(), cv::Size(images[0].width, images[0].height));
   return cv::countNonZero(world.row(0) == 0);
 }
 
@@ -117,7 +116,7 @@ TEST(LearnedMasks, OfManyStreamsTheNewestAreKept) {
   EXPECT_EQ(black_columns(masks, image(), 1), 0);
 }
 
-// A hostile mask of which an image so small would show nothing.
+// A hostile mask: its only black pixel disappears when it is reduced to a small image.
 TEST(LearnedMasks, OneThatIsLostInASmallImageIsNone) {
   LearnedMasks masks;
   cv::Mat world(2048, 2048, CV_8U, cv::Scalar(255));

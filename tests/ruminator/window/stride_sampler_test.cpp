@@ -31,7 +31,7 @@ TEST(StrideSampler, TakesAFramePerStride) {
 
 TEST(StrideSampler, TakesEveryKeyframe) {
   StrideSampler sampler(5);
-  // 4 and 12 are taken early; 11 comes just after 9 was taken and replaces it.
+  // Keyframes 4 and 12 are sampled before the stride ends; 11 comes shortly after sample 9 and replaces it.
   for (int i = 1; i <= 17; ++i) sampler.add(frame(i, i == 4 || i == 11 || i == 12), true);
   EXPECT_THAT(utimes(sampler), ElementsAre(1, 4, 11, 12, 17));
   EXPECT_EQ(sampler.keyframes(), 3);
@@ -39,7 +39,7 @@ TEST(StrideSampler, TakesEveryKeyframe) {
 
 TEST(StrideSampler, TakesAFramePerTurn) {
   StrideSampler sampler(5);
-  for (int i = 0; i < 8; ++i) sampler.add(frame(i, false, 16.6 * i), true);  // 5 Hz, a fast turn of the head
+  for (int i = 0; i < 8; ++i) sampler.add(frame(i, false, 16.6 * i), true);  // a fast turn, filmed at 5 Hz
   EXPECT_EQ(sampler.samples().size(), 8);
   sampler.clear();
   for (int i = 0; i < 9; ++i) sampler.add(frame(i, false, 1.5 * i), true);

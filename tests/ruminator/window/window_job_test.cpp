@@ -21,7 +21,7 @@ using testing::small_job;
 class WindowJobTest : public ::testing::Test {
  protected:
   std::string file() const { return folder_ / "7-1.window"; }
-  void write(const WindowJob& job) { ASSERT_EQ(write_window_job(file(), job), ""); }
+  void write(const WindowJob& job) { ASSERT_EQ(write_window_job(file(), job).error_text(), ""); }
 
   struct Events {
     window_job_t manifest;
@@ -34,16 +34,16 @@ class WindowJobTest : public ::testing::Test {
     while (const auto event = log.next()) EXPECT_TRUE(Bus::decode(event->data, &events.images.emplace_back()));
     return events;
   }
-  // Writes the file anew, whatever is in it.
+  // Writes the file, whatever the events contain, and returns the Error of reading it.
   std::string error_of(const Events& events) {
     {
       LogWriter log(file());
       log.write(1, kWindowJobChannel, encode_message(events.manifest));
       for (const image_t& image : events.images) log.write(image.utime, channels::kCamera, encode_message(image));
     }
-    return read_window_job(file()).error;
+    return read_window_job(file()).error_text();
   }
-  // What a changed manifest, or changed images, are refused for.
+  // Returns the Error for a job with changed manifest or images.
   std::string error_with(const std::function<void(Events&)>& change) {
     write(small_job());
     Events changed = events();
@@ -57,10 +57,10 @@ class WindowJobTest : public ::testing::Test {
 TEST_F(WindowJobTest, ComesBackAsItWas) {
   const WindowJob job = small_job(5, 123456789);
   write(job);
-  const WindowJobFile read = read_window_job(file());
-  ASSERT_TRUE(read.ok()) << read.error;
-  EXPECT_EQ(read.broken_images, 0);
-  const RuminationWindow &a = job.window, &b = read.job.window;
+  const Result<WindowJobFile> read = read_window_job(file());
+  ASSERT_TRUE(read) << read.error_text();
+  EXPECT_EQ(read->broken_images, 0);
+  const RuminationWindow &a = job.window, &b = read->job.window;
   EXPECT_EQ(std::tie(a.id, a.session, a.submap_before, a.submap_after, a.lost_utime_us, a.resumed_utime_us,
                      a.gap_frames, a.reason),
             std::tie(b.id, b.session, b.submap_before, b.submap_after, b.lost_utime_us, b.resumed_utime_us,
@@ -78,17 +78,17 @@ TEST_F(WindowJobTest, ComesBackAsItWas) {
   expect_same(a.approach, b.approach);
   expect_same(a.gap, b.gap);
   expect_same(a.departure, b.departure);
-  EXPECT_EQ(job.camera.fx, read.job.camera.fx);
-  EXPECT_EQ(job.camera.p2, read.job.camera.p2);
-  ASSERT_EQ(job.images.size(), read.job.images.size());
+  EXPECT_EQ(job.camera.fx, read->job.camera.fx);
+  EXPECT_EQ(job.camera.p2, read->job.camera.p2);
+  ASSERT_EQ(job.images.size(), read->job.images.size());
   for (size_t i = 0; i < job.images.size(); ++i)
-    EXPECT_EQ(encode_message(job.images[i]), encode_message(read.job.images[i]));
+    EXPECT_EQ(encode_message(job.images[i]), encode_message(read->job.images[i]));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1) << "nothing else remains";
 
-  const WindowJobFile manifest = read_window_manifest(file());
-  ASSERT_TRUE(manifest.ok()) << manifest.error;
-  EXPECT_EQ(manifest.job.window.gap.size(), a.gap.size());
-  EXPECT_TRUE(manifest.job.images.empty());
+  const Result<WindowJob> manifest = read_window_manifest(file());
+  ASSERT_TRUE(manifest) << manifest.error_text();
+  EXPECT_EQ(manifest->window.gap.size(), a.gap.size());
+  EXPECT_TRUE(manifest->images.empty());
 }
 
 TEST_F(WindowJobTest, TheSameJobGivesTheSameFile) {
@@ -102,10 +102,10 @@ TEST_F(WindowJobTest, SamplesWithoutImageAreNoError) {
   WindowJob job = small_job();
   job.images.erase(job.images.begin() + 4);
   write(job);
-  const WindowJobFile read = read_window_job(file());
-  ASSERT_TRUE(read.ok()) << read.error;
-  EXPECT_EQ(read.job.images.size(), 11);
-  EXPECT_EQ(read.job.window.gap.size(), 5);
+  const Result<WindowJobFile> read = read_window_job(file());
+  ASSERT_TRUE(read) << read.error_text();
+  EXPECT_EQ(read->job.images.size(), 11);
+  EXPECT_EQ(read->job.window.gap.size(), 5);
 }
 
 TEST_F(WindowJobTest, EveryTruncationIsAnError) {
@@ -113,9 +113,9 @@ TEST_F(WindowJobTest, EveryTruncationIsAnError) {
   const std::string bytes = testing::read_file(file());
   for (size_t size = 0; size < bytes.size(); size += 1 + size / 50) {
     testing::write_file(file(), bytes.substr(0, size));
-    EXPECT_THAT(read_window_job(file()).error, HasSubstr("7-1.window")) << size;
+    EXPECT_THAT(read_window_job(file()).error_text(), HasSubstr("7-1.window")) << size;
   }
-  // Also where an event ends.
+  // A file that ends exactly between two events is incomplete, too.
   EXPECT_THAT(error_with([](Events& e) { e.images.pop_back(); }),
               AllOf(HasSubstr("7-1.window"), HasSubstr("1 of 12 images are missing, the first is")));
 }
@@ -128,30 +128,30 @@ TEST_F(WindowJobTest, NoDamageIsSurvivedInSilenceOrCrashes) {
   constexpr int kTrials = 3000;
   for (int i = 0; i < kTrials; ++i) {
     std::string damaged = bytes;
-    // Mostly in the manifest, which is at the beginning.
+    // Every second trial damages only the beginning, where the manifest is.
     const size_t range = i % 2 == 0 ? 2000 : damaged.size();
     for (int k = 0; k < 3; ++k) damaged[random() % range] = static_cast<char>(random());
     testing::write_file(file(), damaged);
-    const WindowJobFile read = read_window_job(file());
-    refused += !read.ok();
-    if (read.ok()) {
-      EXPECT_LE(read.job.images.size(), 12u);
+    const Result<WindowJobFile> read = read_window_job(file());
+    refused += !read;
+    if (read) {
+      EXPECT_LE(read->job.images.size(), 12u);
     }
   }
   EXPECT_GT(refused, kTrials / 4);
 }
 
 TEST_F(WindowJobTest, WhatIsNoWindowIsNamed) {
-  EXPECT_THAT(read_window_job(file()).error, AllOf(HasSubstr("7-1.window"), HasSubstr("No such file")));
+  EXPECT_THAT(read_window_job(file()).error_text(), AllOf(HasSubstr("7-1.window"), HasSubstr("No such file")));
   testing::write_file(file(), "");
-  EXPECT_THAT(read_window_job(file()).error, HasSubstr("is empty"));
+  EXPECT_THAT(read_window_job(file()).error_text(), HasSubstr("is empty"));
   testing::write_file(file(), "this is text, and more than the header of an event");
-  EXPECT_THAT(read_window_job(file()).error, HasSubstr("not an lcm log"));
+  EXPECT_THAT(read_window_job(file()).error_text(), HasSubstr("not an lcm log"));
   LogWriter(file()).write(1, "CAMERA", encode_message(small_job().images[0]));
-  EXPECT_THAT(read_window_job(file()).error, HasSubstr("is no window: begins with an event on CAMERA"));
+  EXPECT_THAT(read_window_job(file()).error_text(), HasSubstr("is no window: begins with an event on CAMERA"));
   LogWriter(file()).write(1, kWindowJobChannel, encode_message(small_job().images[0]));
-  EXPECT_THAT(read_window_job(file()).error, HasSubstr("its manifest cannot be read: it is no window_job_t"));
-  EXPECT_THAT(read_window_job(folder_.path().string()).error, HasSubstr("is not a file"));
+  EXPECT_THAT(read_window_job(file()).error_text(), HasSubstr("its manifest cannot be read: it is no window_job_t"));
+  EXPECT_THAT(read_window_job(folder_.path().string()).error_text(), HasSubstr("is not a file"));
 }
 
 TEST_F(WindowJobTest, AnotherVersionIsToldFromDamage) {
@@ -159,7 +159,7 @@ TEST_F(WindowJobTest, AnotherVersionIsToldFromDamage) {
   std::vector<uint8_t> manifest = encode_message(events().manifest);
   const auto error_of_bytes = [&](const std::vector<uint8_t>& bytes) {
     LogWriter(file()).write(1, kWindowJobChannel, bytes);
-    return read_window_job(file()).error;
+    return read_window_job(file()).error_text();
   };
   std::vector<uint8_t> older = manifest;
   older[0] ^= 0xff;
@@ -173,8 +173,8 @@ TEST_F(WindowJobTest, AnotherVersionIsToldFromDamage) {
 TEST_F(WindowJobTest, WhatIsLargerThanAnyWindowIsNotRead) {
   write(small_job());
   std::filesystem::resize_file(file(), static_cast<uintmax_t>(kMaxWindowBytes) + 1);
-  EXPECT_THAT(read_window_job(file()).error, AllOf(HasSubstr("7-1.window"), HasSubstr("has 2147483649 bytes")));
-  EXPECT_THAT(read_window_manifest(file()).error, HasSubstr("has 2147483649 bytes"));
+  EXPECT_THAT(read_window_job(file()).error_text(), AllOf(HasSubstr("7-1.window"), HasSubstr("has 2147483649 bytes")));
+  EXPECT_THAT(read_window_manifest(file()).error_text(), HasSubstr("has 2147483649 bytes"));
 }
 
 TEST_F(WindowJobTest, WrongNumbersAreNamed) {
@@ -227,33 +227,33 @@ TEST_F(WindowJobTest, ImagesThatDoNotBelongAreNamed) {
     log.write(1, kWindowJobChannel, encode_message(good.manifest));
     log.write(2, "RUMI_TRACK", {});
   }
-  EXPECT_THAT(read_window_job(file()).error, HasSubstr("an event on RUMI_TRACK"));
+  EXPECT_THAT(read_window_job(file()).error_text(), HasSubstr("an event on RUMI_TRACK"));
 }
 
 TEST_F(WindowJobTest, BrokenImagesAreLeftOutAndCounted) {
   write(small_job());
   Events changed = events();
-  changed.images[3].data.assign(100, 7);  // no JPEG
+  changed.images[3].data.assign(100, 7);  // not a JPEG
   changed.images[3].size = 100;
   ASSERT_EQ(error_of(changed), "");
-  const WindowJobFile read = read_window_job(file());
-  EXPECT_EQ(read.broken_images, 1);
-  EXPECT_EQ(read.job.images.size(), 11);
+  const Result<WindowJobFile> read = read_window_job(file());
+  EXPECT_EQ(read->broken_images, 1);
+  EXPECT_EQ(read->job.images.size(), 11);
 }
 
 TEST_F(WindowJobTest, WhatCouldNotBeReadIsNotWritten) {
   WindowJob job = small_job();
   job.images[1].height = 7;
-  EXPECT_THAT(write_window_job(file(), job), AllOf(HasSubstr("not written"), HasSubstr("is 160x7")));
+  EXPECT_THAT(write_window_job(file(), job).error_text(), AllOf(HasSubstr("not written"), HasSubstr("is 160x7")));
   job = small_job();
   job.camera.fx = 0;
-  EXPECT_THAT(write_window_job(file(), job), HasSubstr("fx"));
+  EXPECT_THAT(write_window_job(file(), job).error_text(), HasSubstr("fx"));
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
 }
 
 TEST_F(WindowJobTest, AFullDiskLeavesNothing) {
   const int result = testing::run_on_small_disk(folder_.path().string(), 40'000, [&] {
-    const std::string error = write_window_job(file(), small_job());
+    const std::string error = write_window_job(file(), small_job()).error_text();
     if (error.find("No space left") == std::string::npos) {
       std::fprintf(stderr, "%s\n", error.c_str());
       return 1;

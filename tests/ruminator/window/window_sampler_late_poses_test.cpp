@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Frames that the sampler is told of once more: posed afterwards, or their poses withdrawn.
+// Frames that front_tracker reports again: with a late pose, or because it withdraws the pose.
 #include "ruminator/window/window_sampler.h"
 
 #include <gmock/gmock.h>
@@ -17,10 +17,10 @@ using ::testing::IsEmpty;
 TEST(WindowSampler, FramesPosedAfterwardsAreDepartureNotGap) {
   WindowFeed feed;
   feed.span(100, 1, 10);
-  feed.span(20, kNoSubmap);  // 101..120
+  feed.span(20, kNoSubmap);  // frames 101..120
   for (int64_t utime = 110; utime <= 120; ++utime)
     if (utime != 115) feed.late_pose(utime, 2, utime % 5 == 0);
-  feed.span(100, 2, 10);  // 121
+  feed.span(100, 2, 10);  // frame 121 and later
   ASSERT_EQ(feed.windows.size(), 1);
   const RuminationWindow& w = feed.windows[0];
   EXPECT_EQ(w.lost_utime_us, 101);
@@ -81,10 +81,10 @@ TEST(WindowSampler, WithoutAnyGapTwoSubmapsStillNeedToBeConnected) {
 TEST(WindowSampler, PosedAfterwardsInASubmapThatDiesYoungIsGapAgain) {
   WindowFeed feed;
   feed.span(100, 1, 10);
-  feed.span(10, kNoSubmap);  // 101..110
+  feed.span(10, kNoSubmap);  // frames 101..110
   for (int64_t utime = 104; utime <= 110; ++utime)
     if (utime != 107) feed.late_pose(utime, 2, utime == 104);
-  feed.span(3, 2, 3);  // 111..113
+  feed.span(3, 2, 3);  // frames 111..113
   feed.span(2, kNoSubmap);
   ASSERT_TRUE(feed.sampler.open());
   const RuminationWindow& w = *feed.sampler.open();
@@ -99,7 +99,7 @@ TEST(WindowSampler, PosedAfterwardsInASubmapThatDiesYoungIsGapAgain) {
 TEST(WindowSampler, APoseAfterwardsBeforeAFrameThatHasNoneIsGap) {
   WindowFeed feed({.stride = 5, .window_length = 4, .shared_keyframes = 3, .departure_min_keyframes = 3});
   feed.span(50, 1, 10);
-  feed.span(10, kNoSubmap);  // 51..60
+  feed.span(10, kNoSubmap);  // frames 51..60
   for (int64_t utime : {55, 56, 58, 59, 60}) feed.late_pose(utime, 2, utime == 55);
   feed.span(30, 2, 10);
   ASSERT_EQ(feed.windows.size(), 1);
@@ -129,14 +129,14 @@ TEST(WindowSampler, LatePosesOfASubmapNeverHeardOfAgainChangeNothing) {
 TEST(WindowSampler, LatePosesMayComeTooLateTwiceOrForOtherFrames) {
   WindowFeed feed;
   feed.span(100, 1, 10);
-  feed.span(10, kNoSubmap);  // 101..110
-  feed.late_pose(50, 2);     // was tracked
+  feed.span(10, kNoSubmap);  // frames 101..110
+  feed.late_pose(50, 2);     // the frame had a pose already
   feed.late_pose(105, 2);
   feed.late_pose(105, 2);
   feed.late_pose(106, kNoSubmap);
   EXPECT_EQ(feed.sampler.ignored(), 3);
   feed.span(5, 2, 10);
-  feed.late_pose(103, 2);  // behind the frame that it was to precede
+  feed.late_pose(103, 2);  // too late: a later frame is in the departure already
   EXPECT_THAT(utimes(feed.sampler.open()->gap), ElementsAre(101, 102, 104, 105, 106, 107, 108, 109, 110));
   EXPECT_EQ(feed.sampler.open()->gap_frames, 9);
   EXPECT_EQ(feed.sampler.open()->resumed_utime_us, 103);
@@ -224,7 +224,7 @@ TEST(WindowSampler, WithdrawnLongAgoTwiceOrOfNobodyChangesNothing) {
   WindowFeed feed({.window_length = 4, .shared_keyframes = 4});
   feed.span(30, 1, 1);
   feed.span(2, kNoSubmap);
-  feed.span(40, 2, 1);  // completes the window
+  feed.span(40, 2, 1);  // this completes the window
   ASSERT_EQ(feed.windows.size(), 1);
   feed.withdraw(20, 30);
   EXPECT_FALSE(feed.sampler.open());
@@ -240,7 +240,7 @@ TEST(WindowSampler, APoseForAFrameThatWasThinnedOutCountsToo) {
   WindowFeed feed({.gap_max_frames = 1});
   feed.span(100, 1, 10);
   feed.motion_px = 0;
-  feed.span(10, kNoSubmap);  // one sample
+  feed.span(10, kNoSubmap);  // the gap keeps one sample
   EXPECT_EQ(feed.sampler.open()->gap.size(), 1);
   for (int64_t utime = 101; utime <= 110; ++utime) feed.late_pose(utime, 2);
   feed.span(1, 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every line of the table in window_sampler.h.
+// Tests every line of the table in window_sampler.h.
 #include <gmock/gmock.h>
 
 #include <functional>
@@ -16,13 +16,14 @@ struct Line {
   Phase from;
   std::function<void(WindowFeed&)> what_comes;
   Phase to;
-  int complete;   // windows that ended
-  int window_id;  // that is open then; 0: none
+  int complete;   // number of windows that ended
+  int window_id;  // the window that is open then; 0: none
 };
 
 void PrintTo(const Line& line, std::ostream* out) { *out << line.name; }
 
-// Submap 1 tracked, then lost, then submap 2 tracked for three frames with one keyframe.
+// Feeds frames until the phase is reached: submap 1 tracked, then lost, then submap 2 tracked for three frames with one
+// keyframe.
 WindowFeed in(Phase phase) {
   WindowFeed feed({.stride = 5, .window_length = 4, .shared_keyframes = 3, .departure_min_keyframes = 2});
   feed.span(50, 1, 10);

@@ -15,7 +15,7 @@ using ::testing::IsEmpty;
 TEST(WindowSampler, NothingHappensWithoutALoss) {
   WindowFeed feed;
   feed.span(500, 1, 10);
-  feed.span(100, 2, 10);  // from one submap to another without an untracked frame
+  feed.span(100, 2, 10);  // goes over to another submap without an untracked frame
   feed.finish();
   EXPECT_THAT(feed.windows, IsEmpty());
   EXPECT_FALSE(feed.sampler.open());
@@ -24,11 +24,11 @@ TEST(WindowSampler, NothingHappensWithoutALoss) {
 
 TEST(WindowSampler, OneLossIsOneWindowOfThreeParts) {
   WindowFeed feed({.stride = 5, .window_length = 4, .shared_keyframes = 3, .departure_min_keyframes = 3});
-  feed.span(103, 1);  // 1..103: samples at 1, 6, ..., 101
+  feed.span(103, 1);  // frames 1..103: samples at 1, 6, ..., 101
   feed.span(7, kNoSubmap);
   ASSERT_TRUE(feed.sampler.open());
   EXPECT_EQ(feed.sampler.phase(), WindowSampler::Phase::kGap);
-  feed.span(30, 2, 10);  // 111.. keyframes at 111, 121, 131
+  feed.span(30, 2, 10);  // frames from 111 on, keyframes at 111, 121, 131
   ASSERT_EQ(feed.windows.size(), 1);
   const RuminationWindow& w = feed.windows[0];
   EXPECT_EQ(w.id, 1);
@@ -37,7 +37,7 @@ TEST(WindowSampler, OneLossIsOneWindowOfThreeParts) {
   EXPECT_EQ(w.submap_after, 2);
   EXPECT_EQ(w.lost_utime_us, 104);
   EXPECT_EQ(w.resumed_utime_us, 111);
-  EXPECT_THAT(utimes(w.approach), ElementsAre(91, 96, 101, 103));  // the last tracked frame is always there
+  EXPECT_THAT(utimes(w.approach), ElementsAre(91, 96, 101, 103));  // the last tracked frame is always included
   EXPECT_THAT(utimes(w.gap), ElementsAre(104, 105, 106, 107, 108, 109, 110));
   EXPECT_THAT(utimes(w.departure), ElementsAre(111, 116, 121, 126, 131));
   EXPECT_TRUE(w.departure[0].is_keyframe && w.departure[2].is_keyframe);
@@ -75,10 +75,10 @@ TEST(WindowSampler, ALossThatNeverResumesEndsWithTheInput) {
 TEST(WindowSampler, ASubmapThatDiedYoungIsPartOfTheGap) {
   WindowFeed feed;
   feed.span(50, 1, 10);
-  feed.span(5, kNoSubmap);  // 51..55
-  feed.span(12, 2, 5);      // 56..67: three keyframes
-  feed.span(4, kNoSubmap);  // 68..71
-  feed.span(100, 3, 5);     // 72..
+  feed.span(5, kNoSubmap);  // frames 51..55
+  feed.span(12, 2, 5);      // frames 56..67 with three keyframes
+  feed.span(4, kNoSubmap);  // frames 68..71
+  feed.span(100, 3, 5);     // frames from 72 on
   ASSERT_EQ(feed.windows.size(), 1);
   const RuminationWindow& w = feed.windows[0];
   EXPECT_EQ(w.submap_before, 1);
@@ -93,9 +93,9 @@ TEST(WindowSampler, ASubmapThatDiedYoungIsPartOfTheGap) {
 TEST(WindowSampler, TrackedSamplesSayWhereTheyWereTracked) {
   WindowFeed feed;
   feed.span(50, 1, 10);
-  feed.span(5, kNoSubmap);  // 51..55
-  feed.span(12, 2, 5);      // 56..67, dies young
-  feed.span(4, kNoSubmap);  // 68..71
+  feed.span(5, kNoSubmap);  // frames 51..55
+  feed.span(12, 2, 5);      // frames 56..67: the submap dies young
+  feed.span(4, kNoSubmap);  // frames 68..71
   feed.span(100, 3, 5);
   ASSERT_EQ(feed.windows.size(), 1);
   const auto expect_tracked_in = [](const std::vector<Sample>& samples, int32_t submap_id) {
@@ -116,9 +116,9 @@ TEST(WindowSampler, TrackedSamplesSayWhereTheyWereTracked) {
 TEST(WindowSampler, LosingAKnownSubmapAgainSoonIsOneWindow) {
   WindowFeed feed;
   feed.span(50, 1, 10);
-  feed.span(5, kNoSubmap);  // 51..55
-  feed.span(20, 1, 0);      // relocalized: 56..75, no new keyframes, four samples
-  feed.span(5, kNoSubmap);  // 76..80
+  feed.span(5, kNoSubmap);  // frames 51..55
+  feed.span(20, 1, 0);      // relocalized: frames 56..75, no new keyframes, four samples
+  feed.span(5, kNoSubmap);  // frames 76..80
   feed.span(100, 2, 5);
   ASSERT_EQ(feed.windows.size(), 1);
   const RuminationWindow& w = feed.windows[0];
@@ -137,7 +137,7 @@ TEST(WindowSampler, LosingAKnownSubmapLaterMakesTwoWindows) {
   feed.span(5, kNoSubmap);
   feed.span(60, 2, 4);
   feed.span(5, kNoSubmap);
-  feed.span(60, 1, 0);  // relocalized: 121..180, not enough keyframes to be complete, but samples
+  feed.span(60, 1, 0);  // relocalized: frames 121..180, too few keyframes to be complete, but enough samples
   EXPECT_EQ(feed.windows.size(), 1);
   feed.span(5, kNoSubmap);
   ASSERT_EQ(feed.windows.size(), 2);
@@ -200,8 +200,8 @@ TEST(WindowSampler, ThinningOnDemandLastsForTheWindow) {
 TEST(WindowSampler, ADyingSubmapDoesNotExceedTheCap) {
   WindowFeed feed({.gap_max_frames = 20});
   feed.span(50, 1, 10);
-  feed.span(15, kNoSubmap);  // 51..65
-  feed.span(15, 2, 5);       // 66..80
+  feed.span(15, kNoSubmap);  // frames 51..65
+  feed.span(15, 2, 5);       // frames 66..80
   feed.span(1, kNoSubmap);
   ASSERT_TRUE(feed.sampler.open());
   EXPECT_EQ(feed.sampler.open()->gap.size(), 20);
@@ -221,9 +221,9 @@ TEST(WindowSampler, ACameraThatHardlyMovesLeavesFewSamples) {
 TEST(WindowSampler, FramesWithoutImageCountForTheStateOnly) {
   WindowFeed feed;
   feed.span(50, 1, 10);
-  feed.span(3, kNoSubmap, 0, false);  // 51..53
+  feed.span(3, kNoSubmap, 0, false);  // frames 51..53
   feed.span(3, kNoSubmap);
-  feed.span(1, 2, 1, false);  // 57: the resuming frame itself
+  feed.span(1, 2, 1, false);  // frame 57, at which tracking resumes
   feed.span(100, 2, 4);
   ASSERT_EQ(feed.windows.size(), 1);
   EXPECT_EQ(feed.windows[0].lost_utime_us, 51);
@@ -236,11 +236,11 @@ TEST(WindowSampler, RepeatedAndLateFramesAreIgnored) {
   WindowFeed feed;
   feed.span(50, 1, 10);
   feed.now = 20;
-  feed.span(30, 1);  // 21..50 once more, and not in order
+  feed.span(30, 1);  // frames 21..50 again, out of order
   EXPECT_EQ(feed.sampler.ignored(), 30);
   EXPECT_FALSE(feed.sampler.open());
   feed.span(5, kNoSubmap);
-  feed.withdraw(51, 55);  // they never had a pose
+  feed.withdraw(51, 55);  // these frames had no pose
   EXPECT_EQ(feed.sampler.ignored(), 35);
   EXPECT_EQ(feed.sampler.open()->gap_frames, 5);
 }
@@ -250,7 +250,7 @@ TEST(WindowSampler, ANewSessionStartsAfresh) {
   feed.span(50, 1, 10);
   feed.span(5, kNoSubmap);
   feed.session = 8;
-  feed.now = 0;  // even if its time starts again
+  feed.now = 0;  // although its time begins anew
   feed.span(4, kNoSubmap);
   ASSERT_EQ(feed.windows.size(), 1);
   EXPECT_THAT(feed.windows[0].reason, HasSubstr("started again"));
@@ -269,7 +269,7 @@ TEST(WindowSampler, WhatAWindowNeedsIsRetained) {
   const std::set<int64_t> retained = feed.sampler.retained();
   ASSERT_TRUE(feed.sampler.open());
   for (const Sample& s : feed.sampler.open()->samples()) EXPECT_TRUE(retained.contains(s.utime_us)) << s.utime_us;
-  for (int64_t utime = 94; utime <= 118; ++utime) EXPECT_TRUE(retained.contains(utime)) << utime;  // may die young
+  for (int64_t utime = 94; utime <= 118; ++utime) EXPECT_TRUE(retained.contains(utime)) << utime;  // it may die young
 }
 
 TEST(WindowSampler, TenKeyframesAreSharedOnEachSideWhereThereAreSoMany) {
@@ -283,7 +283,7 @@ TEST(WindowSampler, TenKeyframesAreSharedOnEachSideWhereThereAreSoMany) {
   EXPECT_EQ(w.approach.back().utime_us, 400);
   EXPECT_LE(w.approach.size(), 20);
   EXPECT_EQ(keyframes(w.departure).size(), 10);
-  EXPECT_EQ(w.departure.back().utime_us, 411 + 9 * 12);  // with the tenth keyframe
+  EXPECT_EQ(w.departure.back().utime_us, 411 + 9 * 12);  // the time of the tenth keyframe
 }
 
 TEST(WindowSampler, AShortSubmapSharesWhatItHas) {
@@ -308,7 +308,7 @@ TEST(WindowSampler, LostBetweenEnoughAndManyKeyframesTheWindowIsComplete) {
   EXPECT_EQ(keyframes(feed.windows[0].departure).size(), 9);
   EXPECT_EQ(feed.sampler.open()->submap_before, 2);
   EXPECT_EQ(feed.sampler.open()->id, 2);
-  feed.span(28, 3, 4);  // seven: died young
+  feed.span(28, 3, 4);  // seven keyframes: it died young
   feed.span(5, kNoSubmap);
   EXPECT_EQ(feed.windows.size(), 1);
   EXPECT_EQ(feed.sampler.open()->gap_frames, 38);

@@ -14,7 +14,7 @@
 namespace rumi {
 namespace {
 
-// Smoothed random blocks: corners of many sizes everywhere.
+// Returns smoothed random blocks, which have corners of many sizes everywhere.
 cv::Mat texture(int width, int height, unsigned seed) {
   cv::Mat image(height, width, CV_8U, cv::Scalar(120));
   cv::RNG rng(seed);
@@ -88,7 +88,7 @@ TEST(OrbExtractor, EmptyAndSaturatedAndTinyImagesGiveNothing) {
   EXPECT_EQ(extractor.extract(cv::Mat(16, 16, CV_8U, cv::Scalar(90))).size(), 0u);
 }
 
-// A straight edge, a corner, and nothing at all.
+// Tests a straight edge, a corner, and an image without either.
 TEST(KeypointWhitening, KnowsEdgesFromCorners) {
   for (double angle_deg = 0; angle_deg < 180; angle_deg += 15) {
     const Eigen::Vector2d along(std::cos(angle_deg * M_PI / 180), std::sin(angle_deg * M_PI / 180));
@@ -153,7 +153,7 @@ TEST(KeyframeIndex, RecallsThePlaceAmongMany) {
   }
   int first = 0;
   for (int place = 0; place < 300; ++place) {
-    // 30 % of the landmarks seen again with 30 of 256 bits changed, among 700 others.
+    // The query has 90 of the place's 300 descriptors, with up to 30 of 256 bits changed, among 700 others.
     std::vector<Descriptor> query;
     for (int i = 0; i < 90; ++i) query.push_back(disturbed(places[place][i], rng, 30));
     for (int i = 0; i < 700; ++i) query.push_back(random_descriptor(rng));
@@ -178,8 +178,8 @@ TEST(KeyframeIndex, AnswersLikeAFreshOneAfterKeyframesHaveComeAndGone) {
   std::vector<std::vector<Descriptor>> places(60, std::vector<Descriptor>(40));
   for (auto& descriptors : places) {
     for (Descriptor& d : descriptors) d = random_descriptor(rng);
-    descriptors.back() = descriptors.front();  // a word twice
-    descriptors[1] = places[0][1];             // a word that all have
+    descriptors.back() = descriptors.front();  // the keyframe has a word twice
+    descriptors[1] = places[0][1];             // a word that all keyframes have
   }
   KeyframeIndex index;
   for (int round = 0; round < 5; ++round)

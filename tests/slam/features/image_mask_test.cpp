@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
 
-// White but for a black rectangle.
+// Returns a white image with a black rectangle.
 cv::Mat white_but(const cv::Rect& black, const cv::Size& size = {kWidth, kHeight}) {
   cv::Mat pixels(size, CV_8U, cv::Scalar(255));
   pixels(black).setTo(0);
@@ -69,10 +69,11 @@ TEST(ImageMask, OfAnotherSizeItLeavesOutAPixelOfWhichAnyPartIs) {
   EXPECT_EQ(cv::countNonZero(smaller.pixels() == 0), 1);
   EXPECT_FALSE(smaller.allows({10, 5}));
 
-  const ImageMask much_smaller = mask.resized({kWidth / 40, kHeight / 40});  // a speck is less than a grey level there
+  const ImageMask much_smaller = mask.resized({kWidth / 40, kHeight / 40});  // the black pixel's share of a pixel there
+                                                                             // is less than a grey level
   EXPECT_EQ(cv::countNonZero(much_smaller.pixels() == 0), 1);
 
-  const ImageMask odd = mask.resized({427, 320});  // pixels of two images do not meet
+  const ImageMask odd = mask.resized({427, 320});  // pixel borders of the two sizes do not coincide
   EXPECT_FALSE(odd.allows({67, 37}));
 
   const ImageMask larger = mask.resized({2 * kWidth, 2 * kHeight});
@@ -95,7 +96,7 @@ TEST(ImageMask, TwoMasksShowWhatBothShow) {
   EXPECT_TRUE(everything.and_also(everything).is_everything());
 }
 
-// Random blocks, of this contrast.
+// Returns random blocks with this contrast.
 cv::Mat texture(double contrast = 1) {
   cv::Mat image(kHeight, kWidth, CV_8U, cv::Scalar(120));
   cv::RNG rng(1);
@@ -144,7 +145,7 @@ TEST(MaskedPyramid, WhereNothingIsTheWorldThereAreNoKeypoints) {
   EXPECT_GT(extractor.extract(texture()).size(), 900u) << "the next image is another matter";
 }
 
-// What is left out may be the only part with clear corners.
+// The part that is left out may be the only one with clear corners.
 TEST(MaskedPyramid, DISABLED_ACaptionDoesNotHideFaintCorners) {
   cv::Mat image = texture(0.08);
   texture()(kLeftHalf).copyTo(image(kLeftHalf));

@@ -12,7 +12,7 @@
 namespace rumi {
 namespace {
 
-// Blocks drawn four times as large, so that what is taken out of it is as smooth as a lens leaves it.
+// Blocks drawn four times as large as in the views, so that a view is as smooth as an image from a lens.
 const cv::Mat& fine_texture() {
   static const cv::Mat image = [] {
     cv::Mat drawn(4 * 480, 4 * 640, CV_8U, cv::Scalar(120));
@@ -28,7 +28,8 @@ const cv::Mat& fine_texture() {
   return image;
 }
 
-// The texture as a camera sees it: pixel p of the view is pixel `texture_from_view` * p of a view that shows all of it.
+// A view of the texture. Its pixel p shows the pixel linear * p + shift of the plain view, which shows the whole
+// texture.
 struct View {
   Eigen::Matrix2d linear = Eigen::Matrix2d::Identity();
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
@@ -57,11 +58,12 @@ std::optional<Eigen::Vector2f> align(const ImagePyramid& reference, const Eigen:
 
 struct Outcome {
   int tried = 0, aligned = 0;
-  double rms_px = 0;  // pixels of the level
+  double rms_px = 0;  // root mean square error after alignment, pixels of the level
   double before_px = 0;
 };
 
-// Every corner of the plain view, looked for in `image` from up to a pixel and a half of the level beside its place.
+// Looks in `image` for each corner of the plain view. The search starts up to one pixel of the level beside the true
+// place, in x and in y.
 Outcome align_corners(const cv::Mat& image, const View& view) {
   const ImagePyramid reference = pyramid(take({})), images = pyramid(image);
   const Eigen::Matrix2d view_from_texture = view.linear.inverse();

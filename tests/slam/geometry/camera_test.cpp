@@ -37,7 +37,7 @@ TEST(Camera, UnprojectInvertsProjectForEveryModel) {
 
 TEST(Camera, RayInvertsProjectUndistorted) {
   SyntheticScene scene(2);
-  const Camera camera = distorted();  // which is not to play a part
+  const Camera camera = distorted();  // its distortion must not matter here
   for (const Eigen::Vector3d& point : scene.cloud(100))
     EXPECT_LT((camera.ray(camera.project_undistorted(point)) - point / point.z()).norm(), 1e-12);
 }
@@ -71,7 +71,7 @@ TEST(Camera, ScalingKeepsRays) {
   EXPECT_LT((full.unproject(pixel) - smaller.unproject(same)).norm(), 1e-9);
 }
 
-// A lens that no iteration can undo: what follows needs a number all the same.
+// The distortion of these lenses cannot be inverted, but callers need finite pixels all the same.
 TEST(Camera, AnImpossibleLensGivesNumbersAllTheSame) {
   for (const Camera::Model model : {Camera::Model::kPinhole, Camera::Model::kKannalaBrandt})
     for (const double k : {1e3, -1e3, 1e100, -1e300}) {

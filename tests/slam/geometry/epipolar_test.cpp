@@ -12,7 +12,7 @@
 namespace rumi {
 namespace {
 
-// Pixels from the line to the undistorted pixel.
+// Returns the distance of the undistorted pixel from the line, in pixels.
 double distance_px(const Eigen::Vector3d& line, const Eigen::Vector2d& pixel) {
   return std::abs(line.dot(pixel.homogeneous())) / line.head<2>().norm();
 }
@@ -36,7 +36,7 @@ TEST(Epipolar, EitherViewOfAPointLiesOnTheLineOfTheOther) {
 
 TEST(Epipolar, TheLinesOfAllPixelsMeetWhereTheOtherCameraIsSeen) {
   const Camera camera = test_camera();
-  const SE3 b_from_a = SyntheticScene::pose(0.1, 0.2, -1.5, 0.02, 0.03);  // a is before b
+  const SE3 b_from_a = SyntheticScene::pose(0.1, 0.2, -1.5, 0.02, 0.03);  // camera a is in front of camera b
   ASSERT_GT(b_from_a.translation.z(), 0);
   const Eigen::Vector2d a_seen_by_b = camera.project_undistorted(b_from_a.translation);
   const Eigen::Matrix3d f = fundamental_matrix(camera, b_from_a);
@@ -58,7 +58,8 @@ TEST(Epipolar, SampsonsDistanceIsThatOfAPixelMovedOffTheLine) {
     const Eigen::Vector3d line = e * a;
     const Eigen::Vector2d off = 1e-4 * line.head<2>().normalized();
     const double distance = sampson_distance(e, a, b + Eigen::Vector3d(off.x(), off.y(), 0));
-    // Both views may be wrong: to first order the least correction of both together.
+    // Sampson's distance is, to first order, the least correction of both views together: a share of the distance of b
+    // from its line.
     const double share =
         line.head<2>().norm() / std::hypot(line.head<2>().norm(), (e.transpose() * b).head<2>().norm());
     EXPECT_NEAR(distance, 1e-4 * share, 1e-6);

@@ -24,7 +24,7 @@ TEST(LensFold, ALensThatImagesAllFartherOutFoldsNowhere) {
   EXPECT_TRUE(lens_mask(camera_with(0, 0, 0)).is_everything());
 }
 
-// r (1 - 0.3 r^2) is largest at r = sqrt(1 / 0.9).
+// The distorted radius r (1 - 0.3 r^2) is largest at r = sqrt(1 / 0.9).
 TEST(LensFold, IsWhereTheRadiusStopsGrowing) {
   const double r = std::sqrt(1 / 0.9);
   EXPECT_NEAR(fold_radius(camera_with(-0.3, 0, 0)), r * (1 - 0.3 * r * r), 1e-3);
@@ -35,7 +35,7 @@ TEST(LensFold, IsWhereTheRadiusStopsGrowing) {
   EXPECT_TRUE(std::isfinite(fold_radius(fisheye)));
 }
 
-// The corners are 400 px from the centre, the middle of the right border 320.
+// The corners are 400 px from the centre, the middle of the right border 320 px.
 TEST(LensMask, LeavesOutWhatLiesBeyondTheFold) {
   const Camera camera = camera_with(-0.45, 0, 0);
   const double radius_px = 380 * fold_radius(camera);
@@ -49,7 +49,7 @@ TEST(LensMask, LeavesOutWhatLiesBeyondTheFold) {
   EXPECT_FALSE(mask.allows({0, 0}));
 }
 
-// What is not left out can be undone: the ray is imaged where it came from.
+// A pixel that is not left out can be undistorted: its ray is projected onto it again.
 TEST(LensMask, WhatIsLeftCanBeUndistorted) {
   const Camera camera = camera_with(-0.3, 0.02, -0.03);
   const ImageMask mask = lens_mask(camera);

@@ -42,7 +42,7 @@ TEST(TwoView, RecoversPoseOfGeneralScene) {
     EXPECT_LT(rotation_error_deg(h.second_from_first, truth), 0.5);
     EXPECT_LT(direction_error_deg(h.second_from_first, truth), 5);
     EXPECT_GT(h.inliers, 200);
-    EXPECT_LT(h.inliers, 265);  // most of the 60 outliers are found out
+    EXPECT_LT(h.inliers, 265);  // most of the 60 outliers are found
   }
 }
 
@@ -97,7 +97,7 @@ TEST(Triangulate, FindsThePointAndRefusesParallelRays) {
   EXPECT_LT((*point - truth).norm(), 1e-9);
   EXPECT_NEAR(parallax_rad({0, 0, 1}, {-1, 0, 0}, {1, 0, 0}), M_PI / 2, 1e-12);
   EXPECT_FALSE(triangulate(a, {0, 0, 1}, SyntheticScene::pose(1, 0, 0), {0, 0, 1}));
-  // Rays that meet behind the cameras.
+  // These rays meet behind the cameras.
   EXPECT_FALSE(triangulate(a, {-0.2, 0, 1}, SyntheticScene::pose(1, 0, 0), {0.2, 0, 1}));
 }
 

@@ -60,7 +60,7 @@ TEST(IdMap, IsUsedAsAMapOfTheStandard) {
       case 2:
         ASSERT_EQ(map.emplace(id, i).second, like.emplace(id, i).second);
         break;
-      default:  // whole leaves become empty, too
+      default:  // long enough to empty whole leaves
         for (int k = id; k < id + 40; ++k) ASSERT_EQ(map.erase(k), like.erase(k));
     }
     if (i % 50 == 0) expect_same(map, like, kMost);

@@ -16,7 +16,7 @@ TEST(Removals, AreToldSinceARevision) {
   removals.add(7, 1);
   removals.add(3, 2);
   removals.add(5, 2);
-  removals.add(7, 4);  // was there again
+  removals.add(7, 4);  // id 7 had been added again
   EXPECT_EQ(removals.since(0), Ids({3, 5, 7}));
   EXPECT_EQ(removals.since(1), Ids({3, 5, 7}));
   EXPECT_EQ(removals.since(2), Ids({7}));

@@ -13,27 +13,23 @@ Submap small_submap() {
   Submap map;
   map.revision = 1;
   for (int id = 0; id < 3; ++id) {
-    Keyframe& kf = map.keyframes[id];
-    kf.id = id;
-    kf.utime_us = 1000 * id;
-    kf.cam_from_submap = SyntheticScene::pose(id, 0, 0);
     auto features = std::make_shared<Features>();
     for (int i = 0; i < 5; ++i) {
       features->keypoints.push_back({{10.0f * i, 5}, 0, static_cast<uint8_t>(i % 2)});
       features->descriptors.push_back({static_cast<uint64_t>(i), 0, 0, 0});
     }
-    kf.features = features;
-    kf.landmark_ids.assign(5, kNone);
-    map.frames[kf.utime_us] = {kf.utime_us, id, SE3(), 1};
+    map.add_keyframe({.id = id,
+                      .utime_us = 1000 * id,
+                      .cam_from_submap = SyntheticScene::pose(id, 0, 0),
+                      .features = features,
+                      .landmark_ids = {}});
+    map.set_frame({.utime_us = 1000 * id, .reference_keyframe = id, .cam_from_keyframe = SE3()});
   }
-  for (int id = 0; id < 2; ++id) {
-    map.landmarks[id].id = id;
-    map.landmarks[id].position = {0.5, 0, 4};
-  }
+  for (int id = 0; id < 2; ++id) map.add_landmark(id, {0.5, 0, 4});
   return map;
 }
 
-// Both directions of every observation agree.
+// Expects that each observation is stored both in its keyframe and in its landmark.
 void expect_consistent(const Submap& map) {
   size_t forward = 0, backward = 0;
   for (const auto& [id, kf] : map.keyframes)
@@ -110,7 +106,7 @@ TEST(Submap, CovisibilityCountsSharedLandmarks) {
   EXPECT_EQ(covisible[1], (std::pair{1, 1}));
 }
 
-// Who forgets to raise the revision before a change would see it never sent.
+// If the revision did not rise with the first change after an update, the change would never be sent.
 TEST(Submap, TheFirstChangeAfterAnUpdateIsOfANewRevision) {
   Submap map = small_submap();
   map.hand_out();
@@ -124,6 +120,76 @@ TEST(Submap, TheFirstChangeAfterAnUpdateIsOfANewRevision) {
   map.remove_landmark(1);
   EXPECT_EQ(map.revision, sent + 2);
   EXPECT_EQ(map.removed_landmarks.since(sent + 1), std::vector<int>{1});
+}
+
+// Returns a submap of one keyframe, one landmark and one frame that was handed out once.
+Submap sent_submap() {
+  Submap map;
+  auto features = std::make_shared<Features>();
+  features->keypoints.resize(2);
+  map.add_keyframe({.id = 0, .utime_us = 1000, .cam_from_submap = {}, .features = features, .landmark_ids = {}});
+  map.add_landmark(0, {0, 0, 4});
+  map.add_observation(0, 0, 1);
+  map.set_frame({.utime_us = 1000, .reference_keyframe = 0, .cam_from_keyframe = {}});
+  map.hand_out();
+  return map;
+}
+
+TEST(Submap, EachKindOfChangeRaisesTheRevisionAndStampsWhatItChanges) {
+  const Submap sent = sent_submap();
+  EXPECT_EQ(sent.revision, 1);
+  EXPECT_EQ(sent.keyframe(0)->landmark_ids, (std::vector<int>{kNone, 0}));
+  Submap map = sent;
+  map.move_keyframe(0, SyntheticScene::pose(1, 0, 0));
+  EXPECT_EQ(map.keyframe(0)->revision, 2);
+  EXPECT_EQ(map.keyframe(0)->created_revision, 1);
+  map = sent;
+  map.renew_features(0);
+  EXPECT_EQ(map.keyframe(0)->created_revision, 2);
+  map = sent;
+  map.move_landmark(0, {0, 0, 5});
+  EXPECT_EQ(map.landmark(0)->revision, 2);
+  EXPECT_EQ(map.landmark(0)->position.z(), 5);
+  map = sent;
+  map.set_frame({.utime_us = 2000, .reference_keyframe = 0, .cam_from_keyframe = {}});
+  EXPECT_EQ(map.frame(2000)->revision, 2);
+  map = sent;
+  map.close();
+  EXPECT_EQ(map.revision, 2);
+  map.hand_out();
+  map.close();
+  EXPECT_EQ(map.revision, 2) << "it was closed already";
+}
+
+TEST(Submap, WhatDoesNotExistIsNotMoved) {
+  Submap map = sent_submap();
+  map.move_keyframe(7, {});
+  map.move_landmark(7, {0, 0, 1});
+  EXPECT_EQ(map.revision, 1);
+}
+
+TEST(Submap, WithoutSomeFramesItIsSentAsAWhole) {
+  Submap map = sent_submap();
+  map.set_frame({.utime_us = 2000, .reference_keyframe = 0, .cam_from_keyframe = {}});
+  map.remove_frames_from(2000);
+  EXPECT_EQ(map.frames.size(), 1u);
+  EXPECT_EQ(map.removed_keyframes.since(1), std::nullopt);
+  EXPECT_EQ(map.removed_landmarks.since(1), std::nullopt);
+  EXPECT_EQ(map.removed_landmarks.since(map.revision), std::vector<int>{});
+}
+
+TEST(Submap, AFrontSubmapMayBeginAsACopy) {
+  Submap map = sent_submap();
+  map.close();
+  map.remove_frames_from(5000);
+  map.begin_front_submap({7, 3});
+  EXPECT_EQ(map.key, (SubmapKey{7, 3}));
+  EXPECT_FALSE(map.closed);
+  EXPECT_EQ(map.revision, 1);
+  EXPECT_EQ(map.keyframe(0)->created_revision, 1);
+  EXPECT_EQ(map.removed_keyframes.since(0), std::vector<int>{});
+  map.move_landmark(0, {0, 0, 5});
+  EXPECT_EQ(map.landmark(0)->revision, 1) << "nothing of it was sent";
 }
 
 TEST(Submap, APoseOnAKeyframeThatDoesNotExistIsNone) {

@@ -9,7 +9,7 @@
 namespace rumi {
 namespace {
 
-// y = a x^2 + b x + c, which three points tell.
+// y = a x^2 + b x + c, which three points determine.
 using Parabola = Eigen::Vector3d;
 
 double at(const Parabola& p, double x) { return p[0] * x * x + p[1] * x + p[2]; }
@@ -40,7 +40,7 @@ struct Points {
   }
 };
 
-// `right` points of a parabola with noise, then `wrong` ones anywhere.
+// Returns `right` points of a parabola with noise, then `wrong` random ones.
 Points make_points(int right, int wrong) {
   std::mt19937 rng(1);
   std::uniform_real_distribution<double> anywhere(-2, 2), noise(-0.01, 0.01);
@@ -77,7 +77,7 @@ TEST(Consensus, EndsWhenARightSampleCanHardlyHaveBeenMissed) {
     return drawn;
   };
   EXPECT_LT(count(1e-4), 100);
-  EXPECT_GT(count(0), 900);  // of 1000, those that draw an element twice left out
+  EXPECT_GT(count(0), 900);  // 1000 without the samples that draw an element twice
 }
 
 TEST(Consensus, NeedsSoManySamples) {

@@ -34,7 +34,7 @@ TEST(Median, KeepsAllTheValues) {
   EXPECT_EQ(values, (std::vector<int>{1, 2, 2, 5, 7, 9}));
 }
 
-// The median of so many normal values scatters as it says, and wild values change little.
+// The median scatters by its standard error, even if some of the values are wild.
 TEST(RobustMean, KnowsHowWellItIsKnown) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal(5, 2);

@@ -79,7 +79,8 @@ TEST(Bundle, FixedViewsStayAndRunsAreIdentical) {
   for (size_t p = 0; p < a.points.size(); ++p) EXPECT_EQ(a.points[p], b.points[p]);
 }
 
-// Of a walk along which each point is seen by `reach` views before and after.
+// Returns a walk in which each point is seen by up to `reach` views before and after it. All views and points are at
+// their true places; the first two views are fixed.
 BundleProblem walk(int views, int reach, SyntheticScene* scene) {
   BundleProblem truth;
   for (int v = 0; v < views; ++v) truth.views.push_back({SyntheticScene::pose(0.004 * v, 0, 0, 0), v < 2});
@@ -101,7 +102,7 @@ double worst_position_error(const BundleProblem& problem, const BundleProblem& t
   return worst;
 }
 
-// A room where every view sees everything, and a walk where only neighbours see the same.
+// Tests a room in which every view sees everything, and a walk in which only neighbouring views see the same points.
 TEST(Bundle, RecoversHundredsOfViewsWhateverTheySee) {
   constexpr int kViews = 220;
   for (const int reach : {kViews, 6}) {
@@ -114,8 +115,8 @@ TEST(Bundle, RecoversHundredsOfViewsWhateverTheySee) {
   }
 }
 
-// What is known of earlier problems serves the later ones, and misleads none: one of other views, one as large of which
-// each view sees something else, one with other noise.
+// The solver uses earlier problems for later ones. That must not mislead it, be it a problem with other views, one with
+// as many views that see other points, or one with other noise.
 TEST(Bundle, OneSolverSolvesManyProblems) {
   BundleSolver solver;
   SyntheticScene scene(7);
@@ -133,8 +134,8 @@ TEST(Bundle, OneSolverSolvesManyProblems) {
   }
 }
 
-// Two implementations, and what is hard for either: outliers, points seen once or never, twice by the same view, or by
-// fixed views only, and a view that sees nothing.
+// Compares two implementations on input that is hard for both: outliers, edges, points seen once, never, twice by the
+// same view or only by fixed views, and a view that sees nothing.
 TEST(Bundle, AgreesWithCeres) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     const bool has_edges = seed % 2 == 1;
@@ -159,7 +160,7 @@ TEST(Bundle, AgreesWithCeres) {
     EXPECT_NEAR(ours.final_cost, by_ceres.final_cost, 1e-6 * by_ceres.final_cost);
     for (size_t v = 0; v < problem.views.size(); ++v)
       EXPECT_LT((problem.views[v].cam_from_submap.center() - reference.views[v].cam_from_submap.center()).norm(), 1e-4);
-    // In pixels: a point of which only edges are seen may be at any depth.
+    // Points are compared in pixels, because one that lies on an edge in all views may be at any depth.
     for (const int v : {0, 5})
       for (size_t p = 0; p < 150; ++p) {
         const auto pixel = [&](const BundleProblem& of) {
@@ -170,7 +171,8 @@ TEST(Bundle, AgreesWithCeres) {
   }
 }
 
-// Most points lie on edges, where they slide: with that said the structure is as good as without sliding.
+// Most keypoints lie on edges and slide along them. If their whitening says so, the last camera's position is much more
+// accurate.
 TEST(Bundle, WhatSlidesAlongEdgesBendsNothing) {
   double told = 0, untold = 0;
   for (unsigned seed = 0; seed < 10; ++seed) {
@@ -197,7 +199,7 @@ TEST(Bundle, WhatSlidesAlongEdgesBendsNothing) {
   EXPECT_LT(told, 0.6 * untold);
 }
 
-// A step that goes too far is taken back: the cost never rises.
+// A step that goes too far is undone, so that the cost never rises.
 TEST(Bundle, NoStepMakesItWorse) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     BundleProblem problem = make_scene(seed, 0.5, 0.1).start;

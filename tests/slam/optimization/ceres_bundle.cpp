@@ -13,9 +13,9 @@
 namespace rumi {
 namespace {
 
-// A pose as 7 numbers (x y z w of the quaternion, translation) that moves by exp(twist) on the left. Cost functions
-// give their derivative by the twist in the first six columns and leave the seventh zero, which saves a product per
-// residual.
+// A pose as 7 numbers (x y z w of the quaternion, translation) that moves by exp(twist) on the left. The Jacobians of
+// cost functions have the derivative by the twist in their first six columns, and zeros in the seventh: that saves a
+// product per residual.
 class PoseManifold final : public ceres::Manifold {
  public:
   int AmbientSize() const override { return 7; }
@@ -59,7 +59,7 @@ class ReprojectionError final : public ceres::SizedCostFunction<2, 7, 3> {
     const Eigen::Matrix3d r = Eigen::Quaterniond(x[3], x[0], x[1], x[2]).toRotationMatrix();
     const Eigen::Vector3d p =
         r * Eigen::Map<const Eigen::Vector3d>(parameters[1]) + Eigen::Map<const Eigen::Vector3d>(x + 4);
-    // A point that an intermediate step put behind the camera: a step to refuse.
+    // An intermediate step has put the point behind the camera: Ceres refuses the step.
     if (!(p.z() > 1e-9)) return false;
     Eigen::Map<Eigen::Vector2d>{residuals} = projection_.error(p);
     if (!jacobians) return true;
@@ -81,7 +81,7 @@ ceres::Solver::Options solver_options(const BundleOptions& options) {
   o.linear_solver_type = ceres::SPARSE_SCHUR;
   o.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   o.max_num_iterations = options.iterations;
-  o.num_threads = 1;  // repeatable to the bit
+  o.num_threads = 1;  // so that results are the same to the bit
   o.function_tolerance = options.function_tolerance;
   o.logging_type = ceres::SILENT;
   return o;
@@ -101,7 +101,8 @@ BundleReport solve_by_ceres(const Camera& camera, const BundleOptions& options, 
   ceres::Problem::Options ownership;
   ownership.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ownership.disable_all_safety_checks = true;  // that no block is given twice: costs a hash look-up each
+  ownership.disable_all_safety_checks = true;  // they look for blocks that are given twice, with a hash look-up for
+                                               // each block
   ceres::Problem ceres_problem(ownership);
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   std::vector<char> seen(poses.size(), 0);

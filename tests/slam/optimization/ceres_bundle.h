@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bundle adjustment by Ceres, to compare solve_bundle() with.
+// Bundle adjustment by Ceres, for comparison with solve_bundle().
 #pragma once
 
 #include "slam/optimization/bundle_adjustment.h"

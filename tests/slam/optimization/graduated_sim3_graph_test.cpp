@@ -41,7 +41,7 @@ TEST(GraduatedSim3Graph, FindsTwiceAsManyWrongLoopsAsRightOnes) {
   }
 }
 
-// A place that looks like another one: all that is wrong says the same.
+// One place looks like another, so that all wrong loops agree with each other.
 TEST(GraduatedSim3Graph, FindsWrongLoopsThatBearEachOtherOut) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     WalkWithLoops walk(seed);

@@ -36,7 +36,7 @@ TEST(OptimizePose, ConvergesWithNoiseAndOutliers) {
   }
 }
 
-// Keypoints on edges slide to where they were expected, by the same amount all of them: only those on corners, and the
+// Keypoints on edges slide to where they were expected, all by the same amount. Only keypoints on corners, and the
 // direction across the edges, tell the truth.
 TEST(OptimizePose, EdgesTellAcrossOnly) {
   for (unsigned seed = 0; seed < 10; ++seed) {
@@ -79,7 +79,7 @@ TEST(OptimizePose, SaysWhenThereIsTooLittle) {
   const auto observations = observe(scene, SE3(), 5, 0.5, 0);
   EXPECT_FALSE(optimize_pose(test_camera(), SE3(), observations).converged);
   EXPECT_FALSE(optimize_pose(test_camera(), SE3(), {}).converged);
-  // The same point over and over fixes no pose, but must not break anything.
+  // One point repeated determines no pose, but must not break anything.
   const std::vector<PointObservation> same(20, observations.front());
   EXPECT_TRUE(optimize_pose(test_camera(), SE3(), same).cam_from_submap.is_finite());
 }
@@ -93,8 +93,8 @@ TEST(OptimizePose, NonFiniteObservationsAreOutliers) {
   EXPECT_TRUE(r.cam_from_submap.is_finite());
 }
 
-// What another view and one at the pose both see of other points; of `wrong` of it the pixels have nothing to do with
-// each other.
+// Returns the matches of points that both a view at `other` and one at `pose` see. In a share `wrong` of them, the
+// pixels have nothing to do with each other.
 EpipolarView epipolar_view(SyntheticScene& scene, const SE3& other, const SE3& pose, int count, double noise_px,
                            double wrong) {
   EpipolarView view{other, {}};
@@ -106,7 +106,7 @@ EpipolarView epipolar_view(SyntheticScene& scene, const SE3& other, const SE3& p
   return view;
 }
 
-// Landmarks in a corner of the image, some of them off in the same direction.
+// Returns landmarks in a corner of the image; the pixels of 30 % of them are off in the same direction.
 std::vector<PointObservation> biased_corner(SyntheticScene& scene, const SE3& pose, int count) {
   std::vector<PointObservation> observations;
   for (Eigen::Vector3d p : scene.cloud(count)) {
@@ -147,7 +147,7 @@ TEST(OptimizePose, EpipolarMatchesThatSayNothingChangeNothing) {
   const PoseResult r = optimize_pose(test_camera(), truth, observations, {}, {empty, not_finite});
   EXPECT_EQ(r.cam_from_submap.translation, alone.cam_from_submap.translation);
   EXPECT_EQ(r.inliers, alone.inliers);
-  // From the same place there is no epipolar line; a little noise of the pose makes one, which means nothing.
+  // From the same place there is no epipolar line. A small error of the pose makes one, but it means nothing.
   const auto same_place = epipolar_view(scene, truth, truth, 200, 0.7, 0);
   const PoseResult still = optimize_pose(test_camera(), truth, observations, {}, {same_place});
   EXPECT_LT(rotation_error_deg(still.cam_from_submap, truth), 0.15);

@@ -9,7 +9,7 @@
 namespace rumi {
 namespace {
 
-// Positive definite, with blocks of so many rows beside the diagonal.
+// Returns a positive definite matrix in which each row has `reach` blocks on either side of the diagonal.
 BlockMatrix band(int size, int reach, unsigned seed) {
   std::vector<std::vector<int>> columns(size);
   for (int r = 0; r < size; ++r)
@@ -50,7 +50,7 @@ TEST(BlockMatrix, MultipliesAsTheWholeMatrix) {
   EXPECT_DOUBLE_EQ(matrix.filled(), (9 + 2 * (8 + 7 + 6)) / 81.0);
 }
 
-// Small, dense and sparse ones; twice the same, and then one that is a little different and one that is not.
+// Solves small, dense and sparse systems: each of them twice, then another one of the same size.
 TEST(ReducedSolver, SolvesSystemsOfAllSizesOneAfterAnother) {
   ReducedSolver solver;
   for (const auto& [size, reach] :

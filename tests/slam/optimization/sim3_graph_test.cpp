@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
 
-// Nodes on a circle of radius 5 that look along it, each with a unit of its own (0.5 to 2 of the map's).
+// Returns nodes on a circle of radius 5 that look along it, each with a unit of its own (0.5 to 2 of the map's).
 std::vector<Sim3> circle(int count, SyntheticScene& scene) {
   std::vector<Sim3> nodes;
   for (int i = 0; i < count; ++i) {
@@ -28,7 +28,7 @@ Vector7d random_step(SyntheticScene& scene, double rotation, double translation,
   return step;
 }
 
-// Measured without error; sigmas small against the circle.
+// Returns the true edge between two nodes; its sigmas are small against the circle.
 Sim3Graph::Edge edge_between(const std::vector<Sim3>& truth, int first, int second) {
   Sim3Graph::Edge e;
   e.first = first;
@@ -45,7 +45,8 @@ void disturb(SyntheticScene& scene, Sim3Graph::Edge* e) {
       random_step(scene, e->sigma_rotation_rad, e->sigma_translation, e->sigma_log_scale), e->pivot_first);
 }
 
-// Node 0 fixed at the truth, the others where the first `truth.size() - 1` edges, a chain, put them.
+// Returns a graph in which node 0 is fixed at the truth. The other nodes are placed by the first `truth.size() - 1`
+// edges, which form a chain.
 Sim3Graph chained(const std::vector<Sim3>& truth, const std::vector<Sim3Graph::Edge>& edges) {
   Sim3Graph graph;
   graph.edges = edges;
@@ -67,7 +68,7 @@ TEST(Sim3Graph, DriftingLoopIsClosedByOneEdge) {
   const int count = 100;
   const std::vector<Sim3> truth = circle(count, scene);
   std::vector<Sim3Graph::Edge> edges;
-  Vector7d drift = Vector7d::Zero();  // 10 % of scale and 6 degrees in a lap
+  Vector7d drift = Vector7d::Zero();  // 10 % of scale and 6 degrees per lap
   drift[6] = std::log(1.1) / count;
   drift[1] = 0.1 / count;
   for (int i = 1; i < count; ++i) {
@@ -88,7 +89,7 @@ TEST(Sim3Graph, DriftingLoopIsClosedByOneEdge) {
   EXPECT_LT(report.final_cost, 0.05 * report.initial_cost);
 }
 
-// The residuals at the solution have the size that the sigmas promise.
+// The residuals at the solution are as large as their sigmas promise.
 TEST(Sim3Graph, CostIsThatOfTheRedundantEquations) {
   double chi2 = 0, equations = 0;
   for (unsigned seed = 0; seed < 50; ++seed) {
@@ -132,13 +133,13 @@ TEST(Sim3Graph, AFalseEdgeIsOutvoted) {
   const Sim3GraphReport report = solve_sim3_graph({}, &robust);
   ASSERT_TRUE(report.usable);
   ASSERT_TRUE(solve_sim3_graph({50, kInfinity}, &squared).usable);
-  EXPECT_GT(report.edge_chi2.back(), 1000);  // plain to see
+  EXPECT_GT(report.edge_chi2.back(), 1000);  // it shows that the edge is false
   EXPECT_LT(worst_distance(robust, truth), worst_distance(without, truth) + 0.15);
   EXPECT_GT(worst_distance(squared, truth), 5 * worst_distance(robust, truth));
 }
 
-// Edges that contradict each other, with scales that are hardly measured: an error in the map's unit would be made
-// small by shrinking the map.
+// Edges contradict each other, and their scales are hardly measured. If errors were in the map's unit, shrinking the
+// map would reduce them.
 TEST(Sim3Graph, ContradictionsDoNotShrinkTheMap) {
   SyntheticScene scene(4);
   const int count = 30;
@@ -159,7 +160,7 @@ TEST(Sim3Graph, ContradictionsDoNotShrinkTheMap) {
   EXPECT_LT(std::abs(mean_log_scale), 0.15);
 }
 
-// The map's place, attitude and unit are a choice of the fixed node: another one gives the same map in other units.
+// The fixed node determines the map's place, attitude and unit. Another choice gives the same map in other units.
 TEST(Sim3Graph, TheGaugeDoesNotMatter) {
   SyntheticScene scene(5);
   const int count = 30;
@@ -208,7 +209,7 @@ TEST(Sim3Graph, WhatNothingMeasuresStays) {
   EXPECT_LT(graph.nodes[1].map_from_node.minus(truth[1]).norm(), 1e-6);
 }
 
-// Large enough for the other factorization.
+// The graph is large enough for CHOLMOD.
 TEST(Sim3Graph, LargeGraph) {
   SyntheticScene scene(11);
   const int count = 800;

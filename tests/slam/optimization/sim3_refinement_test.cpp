@@ -16,13 +16,13 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = st
 
 struct Setting {
   int a_into_b = 150, b_into_a = 150;  // landmarks, each seen in two frames
-  int frames = 6;                      // of each submap, `spacing` apart
-  double spacing = 0.25;               // unit of A
-  double noise_px = 1.0;               // sigma_px claims 1
+  int frames = 6;                      // frames of each submap
+  double spacing = 0.25;               // distance between two frames, unit of A
+  double noise_px = 1.0;               // true standard deviation of a pixel; Observation::sigma_px is 1
   double outliers = 0;
   int frame_pairs = 0;
   bool plane = false;
-  double points_at = 1;  // factor on the points' distance
+  double points_at = 1;  // factor on the distance of the points
 };
 
 struct Overlap {
@@ -30,7 +30,7 @@ struct Overlap {
   Sim3RefinementProblem problem;
 };
 
-// A's frame is the scene's. B is turned, moved and scaled, and its origin is far from the overlap.
+// Makes an overlap in which A has the scene's frame, and B is turned, moved and scaled with its origin far away.
 Overlap make_overlap(unsigned seed, const Setting& setting = {}) {
   SyntheticScene scene(seed);
   Overlap o;
@@ -40,7 +40,7 @@ Overlap make_overlap(unsigned seed, const Setting& setting = {}) {
     const bool outlier = scene.uniform(0, 1) < setting.outliers;
     return outlier ? Eigen::Vector2d(scene.uniform(0, 640), scene.uniform(0, 480)) : seen;
   };
-  std::vector<SE3> in_a, in_b;  // all cam_from_a
+  std::vector<SE3> in_a, in_b;  // cam_from_a of the frames of A and of B
   for (int i = 0; i < setting.frames; ++i) {
     in_a.push_back(SyntheticScene::pose(setting.spacing * i, 0, 0.1 * setting.spacing * i, -0.02 * i));
     in_b.push_back(SyntheticScene::pose(setting.spacing * (i + 0.5), 0.1 * setting.spacing, 0, -0.02 * i));
@@ -75,7 +75,7 @@ Overlap make_overlap(unsigned seed, const Setting& setting = {}) {
   return o;
 }
 
-// Squared error in units of the reported covariance; 7 on average if it is right.
+// Returns the squared error in units of the reported covariance. Its mean is 7 if the covariance is right.
 double normalized_error(const Sim3RefinementReport& report, const Sim3& found, const Sim3& truth) {
   const Vector7d error = truth.minus(found, report.pivot_a);
   return error.dot(report.covariance.ldlt().solve(error));
@@ -141,7 +141,7 @@ TEST(RefineSim3, CovarianceIsCalibratedWithFramePairs) {
   Setting setting;
   setting.a_into_b = setting.b_into_a = 5;
   setting.frame_pairs = 6;
-  // So few equations scatter about their variance, which widens the covariance but never narrows it.
+  // The residual variance of so few equations scatters. That may widen the covariance but never narrows it.
   const auto expect_near = [](double mean) {
     EXPECT_GT(mean, 4.5);
     EXPECT_LT(mean, 8.8);
@@ -223,7 +223,7 @@ TEST(RefineSim3, ThePivotIsWhereTheTranslationIsKnownBest) {
 }
 
 TEST(RefineSim3, UnitsDoNotMatter) {
-  // The same overlap with B in units a million times smaller.
+  // `small` is the overlap of `o`, with B in a unit that is a million times smaller.
   const Overlap o = make_overlap(7);
   Overlap small = o;
   const double unit = 1e6;
@@ -342,7 +342,7 @@ TEST(RefineSim3, PointsBehindTheCameraAreOutliers) {
   ASSERT_TRUE(report.usable) << report.reason;
   for (int i = 0; i < 60; ++i) EXPECT_FALSE(report.b_into_a_inlier[i]);
   EXPECT_LT(normalized_error(report, found, o.truth), 40);
-  // All of them: nothing is left, and nothing breaks.
+  // If all points are behind the cameras, nothing is left, but nothing breaks.
   for (auto& seen : o.problem.a_into_b) seen.point = -seen.point;
   o.problem.b_into_a.clear();
   const Sim3RefinementReport none = refine_sim3(test_camera(), {}, o.problem, &found);

@@ -11,8 +11,7 @@
 
 namespace rumi::testing {
 
-// A camera that walks three rounds: each step is measured, places are seen again, and some of what was seen again is
-// not the same place.
+// A camera that walks three rounds. Each step is measured, places are seen again, and some places are taken for others.
 class WalkWithLoops {
  public:
   static constexpr int kNodes = 120, kRound = 40;
@@ -31,7 +30,8 @@ class WalkWithLoops {
     }
   }
 
-  // `edges` one beside the other that say the same; moved: how the second place lies to where they say it is.
+  // Adds a group of `edges` successive edges that agree with each other. Each measures moved * the true
+  // second_from_first.
   void add_group(bool is_right, int edges, const Sim3& moved, int first = kAnywhere, int second = kAnywhere) {
     std::vector<int>& group = groups_.emplace_back();
     is_right_.push_back(is_right);

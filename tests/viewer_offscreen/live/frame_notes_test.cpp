@@ -19,12 +19,12 @@ TEST(FrameNotes, WhatIsSaidAgain) {
   FrameNotes notes;
   notes.take(track(100, track_t::LOST, kNoSubmap));
   notes.take(track(300, track_t::TRACKING, 1));
-  notes.take(track(200, track_t::TRACKING, 1));  // late
+  notes.take(track(200, track_t::TRACKING, 1));  // comes late
   notes.take(track(100, track_t::LOST, 1));      // got its pose afterwards
   ASSERT_EQ(notes.by_time().size(), 3u);
   EXPECT_EQ(notes.by_time()[0].submap.id, kNoSubmap) << "as it came";
   EXPECT_EQ(notes.by_time()[1].utime_us, 200);
-  notes.take(track(300, track_t::RECENTLY_LOST, kNoSubmap));  // withdrawn
+  notes.take(track(300, track_t::RECENTLY_LOST, kNoSubmap));  // its pose is withdrawn
   EXPECT_EQ(notes.by_time()[2].state, track_t::RECENTLY_LOST);
   EXPECT_EQ(notes.by_time()[2].submap.id, kNoSubmap);
 }

@@ -34,7 +34,7 @@ class PictureSeriesTest : public ::testing::Test {
 
 TEST_F(PictureSeriesTest, IsNumberedAndAVideo) {
   PictureSeries series(folder_, 5, true);
-  for (int i = 0; i < 7; ++i) ASSERT_EQ(series.add(picture(20 + 30 * i)), "");
+  for (int i = 0; i < 7; ++i) ASSERT_EQ(series.add(picture(20 + 30 * i)).error_text(), "");
   series.finish();
   EXPECT_EQ(series.size(), 7);
   for (int i = 0; i < 7; ++i) {
@@ -53,20 +53,20 @@ TEST_F(PictureSeriesTest, IsNumberedAndAVideo) {
 TEST_F(PictureSeriesTest, ANewSeriesReplacesAnEndedOneAndNothingElse) {
   {
     PictureSeries series(folder_, 5, true);
-    for (int i = 0; i < 3; ++i) ASSERT_EQ(series.add(picture(9)), "");
+    for (int i = 0; i < 3; ++i) ASSERT_EQ(series.add(picture(9)).error_text(), "");
     series.finish();
   }
   std::ofstream(folder_ / "pictures" / "mine.png") << "x";
   PictureSeries series(folder_, 5, true);
-  ASSERT_EQ(series.add(picture(9)), "");
+  ASSERT_EQ(series.add(picture(9)).error_text(), "");
   series.finish();
   EXPECT_EQ(files(), (std::vector<std::string>{"000001.png", "mine.png"}));
 }
 
 TEST_F(PictureSeriesTest, GoesOnWithOneThatWasNotEnded) {
-  for (int process = 0; process < 3; ++process) {  // none of them ends it
+  for (int process = 0; process < 3; ++process) {  // none of them ends the series
     PictureSeries series(folder_, 5, true);
-    for (int i = 0; i < 2; ++i) ASSERT_EQ(series.add(picture(30 * process + i)), "");
+    for (int i = 0; i < 2; ++i) ASSERT_EQ(series.add(picture(30 * process + i)).error_text(), "");
     EXPECT_EQ(series.size(), 2 * process + 2);
   }
   EXPECT_EQ(files(), (std::vector<std::string>{"000001.png", "000002.png", "000003.png", "000004.png", "000005.png",
@@ -74,31 +74,31 @@ TEST_F(PictureSeriesTest, GoesOnWithOneThatWasNotEnded) {
   EXPECT_EQ(cv::imread(folder_ / "pictures" / "000001.png").at<cv::Vec3b>(9, 9)[1], 0);
   EXPECT_EQ(cv::imread(folder_ / "pictures" / "000006.png").at<cv::Vec3b>(9, 9)[1], 61);
   PictureSeries series(folder_, 5, true);
-  series.finish();  // of none: nothing was added
+  series.finish();  // it has not begun, so it ends nothing
   EXPECT_TRUE(fs::exists(folder_ / "pictures" / "unfinished"));
 }
 
 TEST_F(PictureSeriesTest, GoesOnOnlyWhereItIsTo) {
-  ASSERT_EQ(PictureSeries(folder_, 5, true).add(picture(9)), "");
+  ASSERT_EQ(PictureSeries(folder_, 5, true).add(picture(9)).error_text(), "");
   PictureSeries series(folder_, 5, false);
-  ASSERT_EQ(series.add(picture(9)), "");
+  ASSERT_EQ(series.add(picture(9)).error_text(), "");
   series.finish();
   EXPECT_EQ(files(), std::vector<std::string>{"000001.png"});
 }
 
 TEST_F(PictureSeriesTest, SaysWhatCannotBeWritten) {
   PictureSeries lost((folder_ / "missing").string(), 5, true);
-  EXPECT_THAT(lost.add(picture(9)), ::testing::HasSubstr("missing/pictures"));
+  EXPECT_THAT(lost.add(picture(9)).error_text(), ::testing::HasSubstr("missing/pictures"));
   fs::create_directory(folder_ / "missing");
-  EXPECT_EQ(lost.add(picture(9)), "");  // it is there now
+  EXPECT_EQ(lost.add(picture(9)).error_text(), "");  // the folder is there now
   std::ofstream(folder_ / "pictures") << "a file";
-  EXPECT_THAT(PictureSeries(folder_, 5, true).add(picture(9)), ::testing::HasSubstr("pictures"));
+  EXPECT_THAT(PictureSeries(folder_, 5, true).add(picture(9)).error_text(), ::testing::HasSubstr("pictures"));
 }
 
 TEST_F(PictureSeriesTest, WithoutAVideoThereAreStillThePictures) {
-  fs::create_directory(folder_ / "trajectory.mp4");  // in its way
+  fs::create_directory(folder_ / "trajectory.mp4");  // a folder with the name of the video
   PictureSeries series(folder_, 5, true);
-  EXPECT_THAT(series.add(picture(9)), ::testing::HasSubstr("trajectory.mp4"));
+  EXPECT_THAT(series.add(picture(9)).error_text(), ::testing::HasSubstr("trajectory.mp4"));
   EXPECT_TRUE(fs::exists(folder_ / "pictures" / "000001.png"));
 }
 

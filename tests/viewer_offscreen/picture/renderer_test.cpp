@@ -58,7 +58,8 @@ TEST_F(MapPictureTest, TrajectoryIsWhereTheProjectionPutsIt) {
     const cv::Point2d at = project(p.position);
     near += count(drawn, kFirst, cv::Rect(static_cast<int>(at.x) - 2, static_cast<int>(at.y) - 2, 5, 5)) > 0;
   }
-  EXPECT_GT(near, 0.85 * static_cast<double>(scene.submaps[0].trajectory.size()));  // the frustum hides the end
+  EXPECT_GT(near, 0.85 * static_cast<double>(scene.submaps[0].trajectory.size()));  // the frustum hides the end of the
+                                                                                    // path
 }
 
 TEST_F(MapPictureTest, LostSpansAreFoundAndDrawn) {
@@ -143,7 +144,7 @@ TEST_F(MapPictureTest, ABackSubmapHasAnotherStyleAndLiesUnderTheFront) {
   const cv::Mat drawn = draw_map(picture);
   EXPECT_GT(count(drawn, submap_color(SubmapKind::kBack, 0)), 20);
   EXPECT_TRUE(scene.lost.empty());
-  // A third of its frames are in no front submap.
+  // The frames of the middle second of the back submap are in no front submap.
   EXPECT_EQ(scene.timeline.filled, 30);
   EXPECT_EQ(scene.frames_in_map, 480);
   ASSERT_EQ(scene.timeline.in_map.size(), 3u);
@@ -203,7 +204,7 @@ TEST_F(MapPictureTest, JoinedSubmapsAreLinkedWhereBothHaveTheImage) {
   const Scene scene = make_scene(picture);
   ASSERT_EQ(scene.merges.size(), 2u);
   EXPECT_LT((scene.merges[0].at_a - scene.merges[0].at_b).norm(), 1e-9);
-  // They never come nearer than from the end of the one to the begin of the other.
+  // The keyframes nearest to each other are the last of the one and the first of the other.
   EXPECT_LT((scene.merges[1].at_a - first_.keyframes.rbegin()->second.cam_from_submap.center()).norm(), 1e-9);
   EXPECT_LT((scene.merges[1].at_b - second_.keyframes.begin()->second.cam_from_submap.center()).norm(), 1e-9);
   EXPECT_EQ(scene.refused_links, 1);
@@ -232,7 +233,7 @@ TEST_F(MapPictureTest, CovisiblePairsShareLandmarks) {
   EXPECT_GT(expected.size(), 5u);
   EXPECT_THAT(covisible_pairs(first_, 40), testing::UnorderedElementsAreArray(expected));
   EXPECT_EQ(make_scene({.submaps = {{&first_, true}}}).submaps[0].covisible.size(), expected.size());
-  first_.keyframes.erase(3);  // observations of what is not there
+  first_.keyframes.erase(3);  // landmarks still have observations of it
   EXPECT_LT(covisible_pairs(first_, 40).size(), expected.size());
 }
 
@@ -276,7 +277,7 @@ TEST(FollowView, LooksPastTheCameraAndCutsOffWhatIsBehind) {
   const Eigen::Vector3d ahead = camera * Eigen::Vector3d(0, 0, plane.extent);
   EXPECT_TRUE(panel.contains(project(camera.translation)));
   EXPECT_TRUE(panel.contains(project(ahead)));
-  EXPECT_LT(project(ahead).y, project(camera.translation).y);  // farther on, higher up
+  EXPECT_LT(project(ahead).y, project(camera.translation).y);  // farther away is higher up
   EXPECT_LT(project(camera * Eigen::Vector3d(-0.1, 0, 0)).x, project(camera * Eigen::Vector3d(0.1, 0, 0)).x);
   Eigen::Vector3d behind = camera * Eigen::Vector3d(0, 0, -5 * plane.extent), a = camera.translation;
   EXPECT_TRUE(project.clip(&a, &behind));
@@ -297,7 +298,7 @@ TEST(Times, AreRound) {
 
 TEST(WritePng, SaysWhichFileCannotBeWritten) {
   const cv::Mat picture(10, 10, CV_8UC3, cv::Scalar::all(9));
-  EXPECT_THAT(write_png(picture, "/nowhere/a.png"), testing::HasSubstr("/nowhere/a.png"));
+  EXPECT_THAT(write_png(picture, "/nowhere/a.png").error_text(), testing::HasSubstr("/nowhere/a.png"));
 }
 
 TEST(PrincipalPlane, IsTheCirclesAndFacesUp) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// vivid writes its clock and the number of the frame into the picture: " hh:mm:ss:mmm number ...". What its digits look
-// like is learnt from frames whose number is known.
+// Reads the text that vivid writes into the picture, its clock and the number of the frame: " hh:mm:ss:mmm number ...".
+// The shapes of the digits are learnt from frames whose number is known.
 #pragma once
 
 #include <array>
@@ -13,14 +13,14 @@ namespace rumi::testing {
 
 class BurntInText {
  public:
-  // Grey pixels, `stride` bytes from row to row, of a frame with this number.
+  // Learns the digits from a frame with this number. `pixels` are grey, with `stride` bytes from row to row.
   void learn(const uint8_t* pixels, int stride, uint32_t number) {
     const std::string digits = std::to_string(number);
     for (size_t i = 0; i < digits.size(); ++i)
       glyphs_[glyph(pixels, stride, kNumber + static_cast<int>(i))] = digits[i];
   }
   size_t digits_known() const { return glyphs_.size(); }
-  // Milliseconds since the stream began, as vivid counts them.
+  // Returns the milliseconds since the stream began, as vivid counts them; nullopt if a digit is not known yet.
   std::optional<int64_t> clock_ms(const uint8_t* pixels, int stride) const {
     int64_t ms = 0;
     const std::array<std::pair<int, int>, 9> places = {{{1, 36'000'000},
@@ -41,8 +41,8 @@ class BurntInText {
   }
 
  private:
-  static constexpr int kNumber = 14;                                     // its first column
-  static constexpr int kWidth = 8, kHeight = 16, kLeft = 16, kTop = 16;  // pixels: of a glyph, of the text's corner
+  static constexpr int kNumber = 14;  // column in the text at which the number begins
+  static constexpr int kWidth = 8, kHeight = 16, kLeft = 16, kTop = 16;  // pixels: size of a glyph, corner of the text
   static std::string glyph(const uint8_t* pixels, int stride, int column) {
     std::string bytes;
     for (int y = 0; y < kHeight; ++y) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The program behind v4l2loopback's virtual camera, as OBS or ffmpeg are: while it lives there is a camera, and what it
-// writes are the camera's images.
+// Plays the program behind v4l2loopback's virtual camera, such as OBS or ffmpeg. The camera exists while the object
+// lives, and its images are those that the object writes.
 #pragma once
 
 #include <fcntl.h>
@@ -21,7 +21,7 @@ inline constexpr const char* kFedDevice = "/dev/video8";
 
 class CameraFeeder {
  public:
-  // Throws std::runtime_error.
+  // Throws std::runtime_error if the device cannot be opened with this format.
   CameraFeeder(uint32_t fourcc, int width, int height, uint32_t rate_hz) : fd_(::open(kFedDevice, O_RDWR | O_CLOEXEC)) {
     if (fd_ < 0) fail("open");
     v4l2_format format{};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// feed_camera RECORDING RATE_HZ IMAGES: the images of a recording, again and again, become those of v4l2loopback's
-// virtual camera. It is a camera from the first line of output on; the images come after a line on standard input, so
-// that whoever is to see all of them has the time to start.
+// feed_camera RECORDING RATE_HZ IMAGES: v4l2loopback's virtual camera shows the images of a recording, again and again.
+// It is a camera as soon as the first line is printed. The images begin after a line on standard input, so that a
+// program that must see all of them has time to start.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,13 +21,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// In memory: reading while feeding would hold images up where files are slow, as they are in a virtual machine.
+// Reads all images into memory. Reading them while they are fed would delay them where files are slow, as in a virtual
+// machine.
 std::vector<rumi::image_t> read(const char* recording, size_t at_most) {
   const rumi::camera_driver::OpenedSource opened = rumi::camera_driver::open_recording(recording, {});
-  if (!opened.ok()) throw std::runtime_error(opened.error);
+  if (!opened.has_value()) throw std::runtime_error(opened.error_text());
   std::vector<rumi::image_t> images;
   while (images.size() < at_most) {
-    std::optional<rumi::image_t> image = opened.source->next();
+    std::optional<rumi::image_t> image = (*opened)->next();
     if (!image) break;
     images.push_back(std::move(*image));
   }
@@ -43,7 +44,7 @@ void feed(const std::vector<rumi::image_t>& images, uint32_t rate_hz, size_t n) 
   std::fflush(stdout);
   std::getchar();
   const Clock::time_point start = Clock::now();
-  std::chrono::duration<double> latest{};  // an image came so long after its time
+  std::chrono::duration<double> latest{};  // greatest delay of an image
   for (size_t i = 0; i < n; ++i) {
     const Clock::time_point due = start + i * std::chrono::microseconds(1'000'000) / rate_hz;
     std::this_thread::sleep_until(due);

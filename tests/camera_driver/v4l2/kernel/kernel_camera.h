@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The kernel's virtual camera (vivid) from its other side: what it shows, what it does wrong, when it is there.
+// Controls the kernel's virtual camera (vivid) from its other side: what it shows, what it does wrong, when it is
+// there.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -41,12 +42,12 @@ class KernelCamera {
     return -1;
   }
   static void press(const std::string& button) { set(button, 1); }
-  // As when it is pulled out and put in again.
+  // Do as if the camera was pulled out and put in again.
   static void unplug() { std::ofstream("/sys/bus/platform/drivers/vivid/unbind") << "vivid.0\n"; }
   static void plug_in() { std::ofstream("/sys/bus/platform/drivers/vivid/bind") << "vivid.0\n"; }
   static bool is_there() { return access(kDevice, F_OK) == 0; }
 
-  // A frame as another program gets it.
+  // Returns a frame as another program (v4l2-ctl) gets it; empty if that fails.
   static std::vector<uint8_t> reference_frame(const std::string& fourcc) {
     const std::string file = "/run/reference.raw";
     const std::string command = "v4l2-ctl -d " + std::string(kDevice) +

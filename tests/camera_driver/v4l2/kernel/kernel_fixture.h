@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the tests against the kernel's cameras have in common: images of a source within a time, and the process.
+// Shared by the tests against the kernel's cameras: takes the images of a source within a time, and runs the process.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -27,8 +27,8 @@ class CameraSourceTest : public ::testing::Test {
  protected:
   std::string open(const std::string& input) {
     OpenedSource opened = open_camera(kernel_video_system(), input, options_);
-    source_ = std::move(opened.source);
-    return opened.error;
+    source_ = opened ? std::move(*opened) : nullptr;
+    return opened.error_text();
   }
   std::vector<image_t> take(size_t n, int64_t within_us = 20 * kSecondUs) {
     std::vector<image_t> images;
@@ -48,14 +48,15 @@ class CameraSourceTest : public ::testing::Test {
   std::unique_ptr<ImageSource> source_;
 };
 
-// True when it has come true. The limit is for a slow machine: without KVM a process may take half a minute to start.
+// Dispatches the bus until the condition is true; false if it never is. The limit is for a slow machine: without KVM a
+// process may take half a minute to start.
 inline bool hear_until(Bus& bus, const std::function<bool()>& condition) {
   const int64_t end = monotonic_us() + 120 * kSecondUs;
   while (!condition() && monotonic_us() < end) bus.dispatch(100);
   return condition();
 }
 
-// camera_driver as a user starts it.
+// Runs camera_driver as a user starts it.
 class Process {
  public:
   explicit Process(const std::vector<std::string>& arguments) {

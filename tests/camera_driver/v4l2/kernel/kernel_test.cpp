@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// camera_driver against the kernel's own V4L2, in a virtual machine (tests/virtual_machine/run_in_qemu.sh): formats
+// Tests camera_driver with the kernel's own V4L2, in a virtual machine (tests/virtual_machine/run_in_qemu.sh): formats
 // byte for byte, times against the camera's schedule, losses, errors, unplugging, and the whole process on LCM.
 #include <gmock/gmock.h>
 #include <time.h>
@@ -45,8 +45,9 @@ bool has_luma(const PixelFormat& format) {
   return format.layout != PixelLayout::kRgb && format.layout != PixelLayout::kBayer;
 }
 
-// Where in our image (grey where the format has luma, else RGB) the byte at (x, y) of the format's first plane must be
-// found again: those of RGB and Bayer keep their place as the channel that they are of. -1: nowhere (chroma).
+// Returns where in our image the byte at (x, y) of the format's first plane must be found again. Our image is grey if
+// the format has luma, else RGB: there the bytes of RGB and Bayer formats are a channel of the same pixel. -1: nowhere
+// (chroma).
 int64_t place_in_image(const PixelFormat& format, int x, int y) {
   const int64_t pixels = int64_t{y} * kWidth;
   switch (format.layout) {
@@ -55,7 +56,7 @@ int64_t place_in_image(const PixelFormat& format, int x, int y) {
     case PixelLayout::kRgb:
       return 3 * pixels + (format.option == "bgr24" ? x / 3 * 3 + 2 - x % 3 : x);
     case PixelLayout::kBayer: {
-      const bool at_border = x == 0 || y == 0 || x == kWidth - 1 || y == kHeight - 1;  // is made up from the inside
+      const bool at_border = x == 0 || y == 0 || x == kWidth - 1 || y == kHeight - 1;  // interpolated from the inside
       const char channel = format.option[static_cast<size_t>(y % 2 * 2 + x % 2)];
       return at_border ? -1 : 3 * (pixels + x) + (channel == 'r' ? 0 : channel == 'g' ? 1 : 2);
     }
@@ -79,7 +80,7 @@ void expect_same_bytes(const PixelFormat& format, const std::vector<uint8_t>& re
   EXPECT_EQ(different, 0);
 }
 
-// Mean colour of the middle of an RGB image.
+// Returns the mean colour of the middle of an RGB image.
 cv::Scalar middle(const image_t& image) {
   const cv::Mat rgb(kHeight, kWidth, CV_8UC3, const_cast<uint8_t*>(image.data.data()));
   return cv::mean(rgb(cv::Rect(kWidth / 4, kHeight / 4, kWidth / 2, kHeight / 2)));
@@ -105,12 +106,12 @@ TEST_F(KernelTest, EveryFormatIsTheSameToTheByteAsAnotherProgramGetsIt) {
     const int64_t lost = source_->skipped().total();
     source_.reset();
     for (const image_t& image : images) {
-      ASSERT_EQ(check_image(image), "");
+      ASSERT_EQ(check_image(image).error_text(), "");
       ASSERT_EQ(image.data, images[0].data);  // the picture stands still
     }
     expect_same_bytes(*format, KernelCamera::reference_frame(fourcc_text(fourcc)), images[0]);
 
-    // A known colour through each format's arithmetic.
+    // Checks the colour conversion of each format with a known colour.
     options_.controls = "osd_text_mode=2, test_pattern=7";
     std::string colour = "has none";
     if (format->layout != PixelLayout::kGrey) {
@@ -136,7 +137,8 @@ TEST_F(KernelTest, EveryFormatIsTheSameToTheByteAsAnotherProgramGetsIt) {
   EXPECT_GE(tested, 14);
 }
 
-// From a stream of our own, because an ImageSource does not tell the driver's number of a frame.
+// Learns the digits of vivid's text from a stream of its own, because an ImageSource does not tell the driver's number
+// of a frame.
 BurntInText learn_digits() {
   BurntInText text;
   OpenedDevice opened = open_video_device(kernel_video_system(), kDevice);
@@ -177,11 +179,12 @@ TEST_F(KernelTest, TimesAreThoseOfTheCamerasOwnClock) {
     ASSERT_EQ(differences_us.size(), 60u);
     std::sort(differences_us.begin(), differences_us.end());
     std::sort(latencies_us.begin(), latencies_us.end());
-    const int64_t median_us = differences_us[30];  // when the stream began
+    const int64_t median_us = differences_us[30];  // system time at which the stream began
     std::vector<int64_t> errors_us;
     for (const int64_t difference : differences_us) errors_us.push_back(std::abs(difference - median_us));
     std::sort(errors_us.begin(), errors_us.end());
-    EXPECT_LT(errors_us[54], 2 * kTickUs);  // of 90 %: the virtual machine itself may be stopped between the two clocks
+    // Tested for 90 % of the frames: the virtual machine itself may be stopped between the two clocks.
+    EXPECT_LT(errors_us[54], 2 * kTickUs);
     // vivid draws at once, and says that the frame ends 9/10 of a period later.
     const double stamped_ahead = static_cast<double>(-latencies_us[30]) * options_.rate_hz * 1e-6;
     EXPECT_NEAR(stamped_ahead, start_of_exposure ? 0 : 0.9, 0.2);
@@ -233,7 +236,7 @@ TEST_F(KernelTest, WhatTheDriverDropsIsCounted) {
   std::printf("30 %% dropped by the driver: %ld missing by the times, %ld counted\n", missing,
               static_cast<long>(source_->skipped().lost));
   EXPECT_GT(missing, 3);
-  EXPECT_GE(source_->skipped().lost, missing);  // and those dropped before the first image
+  EXPECT_GE(source_->skipped().lost, missing);  // images dropped before the first one are counted, too
   EXPECT_LE(source_->skipped().lost, missing + 5);
 }
 
@@ -257,7 +260,7 @@ TEST_F(KernelTest, AStreamThatBreaksIsOpenedAgain) {
        {"inject_vidioc_reqbufs_error", "inject_vidioc_qbuf_error", "inject_vidioc_streamon_error"}) {
     source_.reset();
     KernelCamera::press(error);
-    EXPECT_NE(open(), "") << error;  // once, and that is said
+    EXPECT_NE(open(), "") << error;  // it fails once, and says so
     EXPECT_EQ(open(), "") << error;
   }
 }
@@ -284,16 +287,16 @@ TEST_F(KernelTest, UnpluggedAndPluggedInAgain) {
 
 TEST_F(KernelTest, ABusyCameraIsWaitedFor) {
   OpenedSource other = open_camera(kernel_video_system(), kDevice, options_);
-  ASSERT_EQ(other.error, "");
+  ASSERT_EQ(other.error_text(), "");
   ASSERT_EQ(open(), "");
   EXPECT_THAT(source_->live()->problem, HasSubstr("in use by another program"));
   EXPECT_TRUE(take(1, kSecondUs).empty());
-  other.source.reset();
+  other->reset();
   EXPECT_EQ(take(3).size(), 3u);
 }
 
 TEST_F(KernelTest, NamesAreLookedUp) {
-  EXPECT_THAT(open("camera:vivid"), HasSubstr("/dev/video0, /dev/video1"));  // there are two
+  EXPECT_THAT(open("camera:vivid"), HasSubstr("/dev/video0, /dev/video1"));  // the machine has two such cameras
   EXPECT_THAT(open("camera:nonsense"), HasSubstr("no camera has this name"));
   EXPECT_THAT(open("/dev/video9"), HasSubstr("/dev/video0, /dev/video1"));
   options_.width = 321;
@@ -311,16 +314,16 @@ TEST_F(KernelTest, TheProcessOnLcm) {
   const auto write = [](const std::string& file, const std::string& text) { std::ofstream(file) << text; };
   write("/run/camera.yaml", "fx: 300\nfy: 300\ncx: 160\ncy: 90\nwidth: 320\nheight: 180\nfps: 15\n");
   write("/run/config.yaml", "camera_driver:\n  controls: \"brightness=100, osd_text_mode=2\"\n");
-  std::string error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(kDefaultLcmUrl, {}, &error);
-  ASSERT_TRUE(bus) << error;
+  const Result<std::unique_ptr<LcmBus>> opened = LcmBus::open(kDefaultLcmUrl, {});
+  ASSERT_TRUE(opened) << opened.error_text();
+  const std::unique_ptr<LcmBus>& bus = *opened;
   int64_t images = 0, last_us = 0, late = 0;
   process_status_t status{};
   bus->subscribe<image_t>(channels::kCamera, {}, [&](const image_t& image) {
     ++images;
     late += image.utime <= last_us;
     last_us = image.utime;
-    EXPECT_EQ(check_image(image), "");
+    EXPECT_EQ(check_image(image).error_text(), "");
     EXPECT_THAT(metadata(image, kCalibrationKey), HasSubstr("fx: 300"));
   });
   bus->subscribe<process_status_t>(channels::kStatus, {}, [&](const process_status_t& message) { status = message; });
@@ -338,7 +341,7 @@ TEST_F(KernelTest, TheProcessOnLcm) {
   const int64_t before = images;
   EXPECT_TRUE(until([&] { return images > before + 15 && status.state == process_status_t::RUNNING; }));
   EXPECT_EQ(late, 0);
-  EXPECT_EQ(KernelCamera::get("brightness"), 50);  // set again
+  EXPECT_EQ(KernelCamera::get("brightness"), 50);  // the driver has set it again
   std::printf("process: %ld images over LCM, status: %s\n", static_cast<long>(images), status.detail.c_str());
   EXPECT_EQ(process.end(SIGTERM), 0);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// camera_driver against v4l2loopback, a camera whose images are known because the test itself gives them: MJPEG, which
-// vivid has not, and a camera whose images fail to come. Image by image, so that nothing depends on how fast it goes.
+// Tests camera_driver with v4l2loopback, a camera whose images are known because the test itself gives them: with
+// MJPEG, which vivid does not have, and with images that fail to come. The images come one by one, so that nothing
+// depends on speed.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -37,7 +38,7 @@ cv::Mat picture(int number) {
   return image;
 }
 
-// Of different lengths, as a camera's are, and with zeros behind the end, as many cameras give them.
+// Returns JPEGs of different lengths, as a camera's are, with zeros behind the end, as many cameras give them.
 std::vector<uint8_t> jpeg(int number) {
   std::vector<uint8_t> bytes = make_jpeg_image(0, picture(number), 40 + number % 50).data;
   bytes.resize(bytes.size() + static_cast<size_t>(number % 3));
@@ -73,7 +74,7 @@ class LoopbackTest : public CameraSourceTest {
     feeder_ = std::make_unique<CameraFeeder>(fourcc, kWidth, kHeight, kRateHz);
   }
   std::string open() { return CameraSourceTest::open(kFedDevice); }
-  // The image that comes of this frame.
+  // Feeds the frame and returns the image that the source makes of it; nullopt if none comes.
   std::optional<image_t> pass(const std::vector<uint8_t>& frame) {
     feeder_->write(frame);
     std::vector<image_t> images = take(1, 5 * kSecondUs);
@@ -91,7 +92,7 @@ TEST_F(LoopbackTest, MjpegPassesByteForByte) {
     const std::optional<image_t> image = pass(frame);
     ASSERT_TRUE(image) << i;
     EXPECT_EQ(image->pixelformat, image_t::PIXEL_FORMAT_MJPEG);
-    EXPECT_EQ(check_image(*image), "");
+    EXPECT_EQ(check_image(*image).error_text(), "");
     ASSERT_TRUE(image->data == frame) << i;
     bytes += frame.size();
   }
@@ -130,7 +131,7 @@ TEST_F(LoopbackTest, BrokenJpegsAreLeftOut) {
   EXPECT_EQ(source_->skipped().total(), 3);
 }
 
-// The driver keeps the newest images only, and numbers them all.
+// The driver keeps only the newest images, but numbers all of them.
 TEST_F(LoopbackTest, WhatWeAreTooSlowForIsCounted) {
   begin_feeding(V4L2_PIX_FMT_MJPEG);
   ASSERT_EQ(open(), "");
@@ -144,7 +145,7 @@ TEST_F(LoopbackTest, WhatWeAreTooSlowForIsCounted) {
     received += static_cast<int64_t>(images.size());
     EXPECT_EQ(source_->skipped().lost, written - received);
   }
-  EXPECT_GE(source_->skipped().lost, 8);  // it keeps no more than 4
+  EXPECT_GE(source_->skipped().lost, 8);  // the driver keeps at most 4 images
   std::printf("%ld images written, %ld received, %ld counted as lost\n", static_cast<long>(written),
               static_cast<long>(received), static_cast<long>(source_->skipped().lost));
 }
@@ -195,14 +196,14 @@ TEST_F(LoopbackTest, ACameraThatFallsSilentIsOpenedAgain) {
     }
     ASSERT_TRUE(image);
     EXPECT_EQ(source_->live()->problem, "");
-    take(20, kSecondUs / 2);  // what else was written meanwhile
+    take(20, kSecondUs / 2);  // takes the other images that were written meanwhile
     image = pass(frame(30));
     ASSERT_TRUE(image);
     EXPECT_TRUE(image->data == (format == V4L2_PIX_FMT_MJPEG ? jpeg(30) : luma(yuyv(30))));
   }
 }
 
-// At a camera's pace.
+// Feeds frames at the pace of a camera, in a thread.
 class Feeding {
  public:
   explicit Feeding(const std::vector<std::vector<uint8_t>>& frames)
@@ -228,9 +229,9 @@ class Feeding {
 
 TEST_F(LoopbackTest, TheProcessOnLcm) {
   std::ofstream("/run/fed_camera.yaml") << "fx: 500\nfy: 500\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\nfps: 15\n";
-  std::string error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(kDefaultLcmUrl, {}, &error);
-  ASSERT_TRUE(bus) << error;
+  const Result<std::unique_ptr<LcmBus>> opened = LcmBus::open(kDefaultLcmUrl, {});
+  ASSERT_TRUE(opened) << opened.error_text();
+  const std::unique_ptr<LcmBus>& bus = *opened;
   std::vector<std::vector<uint8_t>> frames;
   for (int i = 0; i < 15; ++i) frames.push_back(jpeg(i));
   int64_t images = 0, others = 0, too_long = 0;
