@@ -45,6 +45,8 @@ class MapServerNode : public Node {
 
   const Atlas& atlas() const { return atlas_; }
   Atlas& atlas() { return atlas_; }  // changes in it are stored with the next update or frame
+  // True if all that came is joined as far as it can be in the present map.
+  bool all_is_joined() const { return to_cull_.empty() && merger_.idle(atlas_); }
   const std::string& calibration_doubt() const { return calibration_doubt_; }
   MapStore& store() { return store_; }
   // Returns the time, by the images' clock, from the first submap of the present sessions to their placement in the map

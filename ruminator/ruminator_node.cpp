@@ -126,7 +126,7 @@ void RuminatorNode::process(const track_t& track) {
   const auto phase = [this] { return std::pair(sampler_.open() ? sampler_.open()->id : 0, sampler_.phase()); };
   const auto before = phase();
   const std::optional<RuminationWindow> ended = sampler_.process(frame);
-  if (ended) hand_on(*ended);
+  if (ended) hand_on(*ended, images_of(*ended));
   if (sampler_.is_settled() && phase() != before) announce(*sampler_.open(), window_t::COLLECTING);
   stream_ = track.stream;
   settle(track.utime);
@@ -149,11 +149,17 @@ void RuminatorNode::make_room(const image_t& image) {
   }
 }
 
-Result<WindowJob> RuminatorNode::make_job(const RuminationWindow& window) const {
+std::vector<image_t> RuminatorNode::images_of(const RuminationWindow& window) const {
+  std::vector<image_t> images;
+  for (const Sample& sample : window.samples())
+    if (const image_t* image = ring_.find({sample.utime_us, window.stream})) images.push_back(*image);
+  return images;
+}
+
+Result<WindowJob> RuminatorNode::make_job(const RuminationWindow& window, std::vector<image_t> images) const {
   WindowJob job;
   job.window = window;
-  for (const Sample& sample : window.samples())
-    if (const image_t* image = ring_.find({sample.utime_us, window.stream})) job.images.push_back(*image);
+  job.images = std::move(images);
   if (job.images.empty()) return Error{"no image of it was kept"};
   masks_.put_on(&job.images, window.stream);
   const Result<Camera> camera = given_camera_ ? Result<Camera>(*given_camera_) : camera_of(job.images);
@@ -163,8 +169,20 @@ Result<WindowJob> RuminatorNode::make_job(const RuminationWindow& window) const 
   return job;
 }
 
-void RuminatorNode::hand_on(const RuminationWindow& window) {
-  Result<WindowJob> job = make_job(window);
+void RuminatorNode::rebuild_again(std::vector<Sample> gap, std::vector<image_t> images) {
+  RuminationWindow window;
+  window.id = sampler_.take_id();
+  window.session = session_;
+  window.stream = stream_;
+  window.lost_utime_us = gap.front().utime_us;
+  window.resumed_utime_us = gap.back().utime_us;
+  window.gap_frames = static_cast<int>(gap.size());
+  window.gap = std::move(gap);
+  hand_on(window, std::move(images));
+}
+
+void RuminatorNode::hand_on(const RuminationWindow& window, std::vector<image_t> images) {
+  Result<WindowJob> job = make_job(window, std::move(images));
   if (!job) return queue_.refuse(window, job.error_text());
   if (hooks_.on_job) hooks_.on_job(*job);
   if (options_.rebuild) return queue_.add(std::move(*job));
@@ -189,7 +207,7 @@ void RuminatorNode::end_window() {
   process_pending(bus_.now_us(), true);
   const bool was_lost = sampler_.phase() == WindowSampler::Phase::kGap;
   if (const auto ended = sampler_.finish(was_lost ? "the input ended while tracking was lost" : "the input ended"))
-    hand_on(*ended);
+    hand_on(*ended, images_of(*ended));
   settle(last_utime_us_);
 }
 

@@ -49,6 +49,12 @@ class RuminatorNode : public Node {
   void stop() override;
   std::string waits_for() const override { return queue_.waits_for(); }
 
+  // Rebuilds images that were looked at before, in another company (ruminator/again): `gap` are the samples, and
+  // `images` theirs, both in order of time, of the last session. After finish(); waits_for() tells when it is done.
+  void rebuild_again(std::vector<Sample> gap, std::vector<image_t> images);
+
+  int64_t session() const { return session_; }  // of the last state
+  int64_t stream() const { return stream_; }
   const FrameRing& frames() const { return ring_; }
   const RebuildQueue& queue() const { return queue_; }
 
@@ -67,8 +73,9 @@ class RuminatorNode : public Node {
   void settle(int64_t utime_us);
   void make_room(const image_t& image);
   void end_window();
-  void hand_on(const RuminationWindow& window);
-  Result<WindowJob> make_job(const RuminationWindow& window) const;
+  std::vector<image_t> images_of(const RuminationWindow& window) const;
+  void hand_on(const RuminationWindow& window, std::vector<image_t> images);
+  Result<WindowJob> make_job(const RuminationWindow& window, std::vector<image_t> images) const;
   void announce(const RuminationWindow& window, int8_t state);
 
   Bus& bus_;

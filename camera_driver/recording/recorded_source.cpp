@@ -194,9 +194,9 @@ bool RecordedSource::begin_next_pass() {
   return true;
 }
 
-void RecordedSource::play_again(const std::set<int64_t>& utimes_us) {
+void RecordedSource::play_again(const std::set<int64_t>& utimes_us, Pixels pixels) {
   only_ = utimes_us;
-  options_.encoding = "rgb";
+  if (pixels == Pixels::kColour) options_.encoding = "rgb";
   options_.loop = have_ahead_ = false;
   next_ = 0;
   taken_ = offset_us_ = 0;

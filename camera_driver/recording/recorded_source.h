@@ -28,7 +28,7 @@ class RecordedSource : public ImageSource {
   const std::string& name() const override { return name_; }
   int64_t total() const override { return options_.loop ? -1 : static_cast<int64_t>(frames_.size()); }
   const SkippedFrames& skipped() const override { return skipped_; }
-  void play_again(const std::set<int64_t>& utimes_us) override;
+  void play_again(const std::set<int64_t>& utimes_us, Pixels pixels) override;
   bool plays_few_quickly() const override { return reader_->loads_any_frame_alone(); }
   std::filesystem::path file_of_last() const override { return reader_->file(fetched_); }
   std::filesystem::path image_folder() const override;

@@ -66,9 +66,10 @@ class ImageSource {
   // returns nullopt there is no image yet, unless `ended` is set. Its utime is when the image was taken, on the system
   // clock.
   virtual const LiveState* live() const { return nullptr; }
-  // Makes a recording hand out the images of these times once more, in colour if they have any. Skipped images are no
-  // longer counted or logged.
-  virtual void play_again(const std::set<int64_t>& /*utimes_us*/) {}
+  // Makes a recording hand out the images of these times once more: in colour if they have any, or as they were handed
+  // out before. Skipped images are no longer counted or logged.
+  enum class Pixels { kColour, kAsBefore };
+  virtual void play_again(const std::set<int64_t>& /*utimes_us*/, Pixels /*pixels*/) {}
   // True if play_again() with few images costs little. A video must be decoded from its beginning.
   virtual bool plays_few_quickly() const { return true; }
   // Return the file of the image that was handed out last, and the deepest folder that contains all images of the

@@ -62,7 +62,7 @@ ColmapImages find_colmap_images(const map_server::Atlas& atlas, camera_driver::I
   if (found.are_written) found.folder = (fs::path(folder) / "images").string();
   std::set<int64_t> utimes_us;
   for (const auto& [utime_us, same_time] : by_time) utimes_us.insert(utime_us);
-  recording.play_again(utimes_us);
+  recording.play_again(utimes_us, camera_driver::ImageSource::Pixels::kColour);
   while (const std::optional<image_t> image = recording.next()) {
     for (const ImageId& id : by_time.at(image->utime)) {
       if (id.stream != stream_of(*image) && !sessions.contains(id.stream)) continue;

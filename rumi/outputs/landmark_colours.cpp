@@ -94,7 +94,7 @@ SeenColours landmark_colours(const map_server::Atlas& atlas, camera_driver::Imag
     result.keyframes += static_cast<int64_t>(by_submap.size());
   }
   std::map<LandmarkRef, std::vector<Colour>> seen;
-  recording.play_again(utimes_us);
+  recording.play_again(utimes_us, camera_driver::ImageSource::Pixels::kColour);
   while (const std::optional<image_t> image = recording.next()) {
     const cv::Mat bgr = decode_bgr(*image).value_or(cv::Mat());
     if (bgr.empty()) continue;

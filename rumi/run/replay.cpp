@@ -12,6 +12,7 @@
 #include "formats/camera/given_camera.h"
 #include "formats/times/timestamps.h"
 #include "front_tracker/front_tracker_node.h"
+#include "rumi/run/again.h"
 #include "rumi/run/metered_bus.h"
 #include "ruminator/colmap_builder.h"
 #include "ruminator/ruminator_node.h"
@@ -63,7 +64,11 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
     ruminator_hooks.builder = [build = ruminator_hooks.builder, stop = hooks.stop](
                                   const auto& job, const std::string& folder, const auto& progress,
                                   const std::atomic<bool>&) { return build(job, folder, progress, *stop); };
-  add<ruminator::RuminatorNode>("ruminator", ruminator, ruminator_hooks, read_given_camera(ruminator.camera_file));
+  auto* rebuilding =
+      add<ruminator::RuminatorNode>("ruminator", ruminator, ruminator_hooks, read_given_camera(ruminator.camera_file));
+  if (ruminator.rebuild && !map_server.localize_only) ruminator_ = rebuilding;
+  again_s_ = ruminator.again_s;
+  stop_ = hooks.stop;
   map_server_ = add<map_server::MapServerNode>("map_server", map_server);
   // Sessions are ordered by their numbers, which are times. A recording's times may be earlier than the map's (they may
   // count from 0), so the sessions of this run get later numbers.
@@ -132,8 +137,29 @@ bool Replay::step() {
   return true;
 }
 
+void Replay::ruminate_again() {
+  const auto settle_all = [this] {
+    const int64_t deadline_us = bus_.now_us() + kFinishTimeoutUs;
+    do {
+      bus_.set_now_us(bus_.now_us() + kFinishStepUs);
+      settle();
+    } while ((!ruminator_->finished() || !map_server_->all_is_joined()) && bus_.now_us() < deadline_us);
+  };
+  const auto others_cpu_s = [this] {
+    double counted_s = 0;
+    for (const auto& component : components_) counted_s += component->cpu_s;
+    return process_cpu_s() - counted_s;
+  };
+  const double before_s = others_cpu_s();
+  Again({.atlas = atlas(), .recording = recording(), .ruminator = *ruminator_, .settle = settle_all, .stop = stop_})
+      .run(again_s_);
+  const auto ruminator = std::find_if(components_.begin(), components_.end(),
+                                      [](const auto& component) { return component->name == "ruminator"; });
+  (*ruminator)->cpu_s += others_cpu_s() - before_s;
+}
+
 std::string Replay::finish() {
-  const int64_t deadline_us = bus_.now_us() + kFinishTimeoutUs;
+  int64_t deadline_us = bus_.now_us() + kFinishTimeoutUs;
   std::string unfinished;
   for (const auto& component : components_) {
     {
@@ -145,6 +171,10 @@ std::string Replay::finish() {
     while (!component->node->finished() && bus_.now_us() < deadline_us) {
       bus_.set_now_us(bus_.now_us() + kFinishStepUs);
       settle();
+    }
+    if (component->name == "ruminator" && ruminator_ && again_s_ > 0) {
+      ruminate_again();
+      deadline_us = bus_.now_us() + kFinishTimeoutUs;
     }
     if (const std::string what = component->node->waits_for(); !what.empty())
       unfinished += fmt::format("{}{}: {}", unfinished.empty() ? "" : "; ", component->name, what);

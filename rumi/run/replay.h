@@ -31,6 +31,10 @@ namespace rumi::front_tracker {
 class FrontTrackerNode;
 }
 
+namespace rumi::ruminator {
+class RuminatorNode;
+}
+
 namespace rumi::tool {
 
 class MeteredBus;
@@ -103,6 +107,7 @@ class Replay {
   template <class NodeType, class... Arguments>
   NodeType* add(const std::string& name, const Arguments&... arguments);
   void settle();
+  void ruminate_again();
 
   MemoryBus bus_;
   viewer_offscreen::ViewerOptions viewer_;
@@ -110,6 +115,9 @@ class Replay {
   camera_driver::CameraNode* camera_ = nullptr;
   front_tracker::FrontTrackerNode* front_tracker_ = nullptr;
   map_server::MapServerNode* map_server_ = nullptr;
+  ruminator::RuminatorNode* ruminator_ = nullptr;  // null: it rebuilds nothing, or the map stays as it is
+  double again_s_ = 0;
+  const std::atomic<bool>* stop_ = nullptr;
   int64_t earlier_sessions_ = map_server::kNoSession;
   int64_t frames_ = 0;
   int64_t clock_ahead_us_ = 0;  // the bus's clock minus the images' times

@@ -97,6 +97,8 @@ class WindowSampler {
   int64_t ignored() const { return ignored_; }
   // Gives the next windows higher ids than `id`, because an earlier process has made windows of this session.
   void continue_after(int32_t id) { last_id_ = std::max(last_id_, id); }
+  // The id of a window that is chosen elsewhere.
+  int32_t take_id() { return ++last_id_; }
 
  private:
   struct LatePose {

@@ -61,7 +61,7 @@ TEST_F(Masks, OneFileIsOfAllImagesAlsoWhenTheyArePlayedAgain) {
   EXPECT_THAT(black_columns(folder_.path(), with_mask(folder_ / "m/any.png")), ElementsAre(7, 7, 7));
   const OpenedSource opened = open_image_source(folder_.path().string(), with_mask(folder_ / "m/any.png"));
   EXPECT_NE(metadata(*(*opened)->next(), kMaskKey), "");
-  (*opened)->play_again({1000200000});
+  (*opened)->play_again({1000200000}, ImageSource::Pixels::kColour);
   EXPECT_NE(metadata(*(*opened)->next(), kMaskKey), "");
 }
 

@@ -61,7 +61,7 @@ TEST(ImageSource, IsPlayedAgainInColourForTheTimesThatAreAsked) {
   ASSERT_EQ(utimes.size(), 5u);
   const int64_t skipped = (*opened)->skipped().total();
 
-  (*opened)->play_again({utimes[1], utimes[4], utimes[4] + 1});
+  (*opened)->play_again({utimes[1], utimes[4], utimes[4] + 1}, ImageSource::Pixels::kColour);
   for (const size_t number : {1, 4}) {
     const std::optional<image_t> image = (*opened)->next();
     ASSERT_TRUE(image);

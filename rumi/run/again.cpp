@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/run/again.h"
+
+#include <algorithm>
+#include <map>
+
+#include "base/running/log.h"
+#include "base/running/stage_clock.h"
+#include "base/this_process/cpu_clock.h"
+#include "bus/wire/image_masks.h"
+#include "bus/wire/working_image.h"
+#include "slam/features/lens_mask.h"
+
+namespace rumi::tool {
+namespace {
+
+using map_server::Atlas;
+using map_server::AtlasSubmap;
+using ruminator::PlaceCandidate;
+using ruminator::PlaceWindow;
+using ruminator::Sample;
+
+constexpr size_t kMostCandidates = 300;  // of the islands, and as many of the map
+constexpr double kLeastShare = 0.01;     // of the frames: a map that lacks fewer is whole
+
+template <class T>
+std::vector<T> thinned(const std::vector<T>& all, size_t most) {
+  if (all.size() <= most) return all;
+  std::vector<T> some;
+  for (size_t k = 0; k < most; ++k) some.push_back(all[k * (all.size() - 1) / (most - 1)]);
+  return some;
+}
+
+std::set<int64_t> keyframes_in_map(const Atlas& atlas, int64_t stream) {
+  std::set<int64_t> utimes_us;
+  for (const auto& [key, owner] : atlas.submaps())
+    if (owner.in_map && owner.submap.stream == stream)
+      for (const auto& [id, keyframe] : owner.submap.keyframes) utimes_us.insert(keyframe.utime_us);
+  return utimes_us;
+}
+
+// A frame of a front submap is a sample with a pose.
+Sample sample_of(int64_t utime_us, const AtlasSubmap* owner) {
+  Sample sample{.utime_us = utime_us};
+  const FramePose* frame = owner ? owner->submap.frame(utime_us) : nullptr;
+  if (!frame || owner->submap.kind != SubmapKind::kFront) return sample;
+  sample.submap_id = owner->submap.key.id;
+  sample.cam_from_submap = owner->submap.cam_from_submap(*frame);
+  for (const auto& [id, keyframe] : owner->submap.keyframes) sample.is_keyframe |= keyframe.utime_us == utime_us;
+  return sample;
+}
+
+}  // namespace
+
+Islands find_islands(const Atlas& atlas, int64_t session, int64_t stream) {
+  Islands result;
+  std::map<SubmapKey, int> id_of;  // of the islands that are submaps
+  std::vector<PlaceCandidate> of_islands, of_map;
+  const std::set<int64_t> keyframes = keyframes_in_map(atlas, stream);
+  bool in_row = false;  // the frame before has no pose either
+  const auto begin_island = [&result] {
+    result.all.push_back({.id = static_cast<int>(result.all.size())});
+    return result.all.back().id;
+  };
+  for (const auto& [image, record] : atlas.frames()) {
+    if (record.session != session || image.stream != stream) continue;
+    const auto located = atlas.locate(image);
+    const AtlasSubmap* owner = located ? located->owner : nullptr;
+    const bool continues_row = !owner && in_row;
+    in_row = !owner;
+    if (owner && owner->in_map) {
+      if (keyframes.contains(image.utime_us)) of_map.push_back({sample_of(image.utime_us, owner)});
+      continue;
+    }
+    int island = continues_row ? result.all.back().id : -1;
+    if (owner) {
+      const auto [found, is_new] = id_of.try_emplace(owner->submap.key, 0);
+      if (is_new) found->second = begin_island();
+      island = found->second;
+    } else if (!continues_row) {
+      island = begin_island();
+    }
+    ++result.all[static_cast<size_t>(island)].frames;
+    ++result.frames;
+    of_islands.push_back({sample_of(image.utime_us, owner), island});
+  }
+  for (const auto* some : {&of_islands, &of_map}) {
+    const std::vector<PlaceCandidate> chosen = thinned(*some, kMostCandidates);
+    result.candidates.insert(result.candidates.end(), chosen.begin(), chosen.end());
+  }
+  std::sort(result.candidates.begin(), result.candidates.end(),
+            [](const PlaceCandidate& a, const PlaceCandidate& b) { return a.sample.utime_us < b.sample.utime_us; });
+  return result;
+}
+
+void Again::run(double budget_s) {
+  const double end_s = process_cpu_s() + budget_s;
+  system_.settle();
+  const Islands islands = find_islands(system_.atlas, system_.ruminator.session(), system_.ruminator.stream());
+  const auto all = static_cast<double>(system_.atlas.frames().size());
+  if (static_cast<double>(islands.frames) < kLeastShare * all) return;
+  index(islands);
+  for (int number = 2; !is_over(end_s) && round(number, end_s); ++number) continue;
+}
+
+bool Again::is_over(double end_s) const { return (system_.stop && *system_.stop) || process_cpu_s() >= end_s; }
+
+std::vector<image_t> Again::images(const std::set<int64_t>& utimes_us) {
+  std::vector<image_t> found;
+  system_.recording.play_again(utimes_us, camera_driver::ImageSource::Pixels::kAsBefore);
+  while (std::optional<image_t> image = system_.recording.next()) found.push_back(std::move(*image));
+  return found;
+}
+
+void Again::index(const Islands& islands) {
+  const StageClock clock("ruminator.places");
+  std::set<int64_t> utimes_us;
+  for (const PlaceCandidate& candidate : islands.candidates) utimes_us.insert(candidate.sample.utime_us);
+  const Camera& camera = system_.recording.camera();
+  const Camera working = working_camera(camera, kDefaultMaxImageSide);
+  MaskReader masks(lens_mask(working));
+  system_.recording.play_again(utimes_us, camera_driver::ImageSource::Pixels::kAsBefore);
+  while (const std::optional<image_t> image = system_.recording.next()) {
+    const Result<cv::Mat> grey = decode_working_image(*image, camera, working);
+    if (!grey || !index_.add(*grey, working, masks.read(*image, grey->size()))) continue;
+    number_in_index_.emplace(image->utime, number_in_index_.size());
+  }
+  index_.build();
+}
+
+// Returns a window around the largest island of which no image was tried in this round; an empty one if there is none.
+PlaceWindow Again::next_window(const Islands& islands) {
+  std::vector<PlaceCandidate> candidates;
+  std::vector<size_t> number;
+  std::set<int> tried;
+  for (const PlaceCandidate& candidate : islands.candidates) {
+    const auto found = number_in_index_.find(candidate.sample.utime_us);
+    if (found == number_in_index_.end()) continue;
+    candidates.push_back(candidate);
+    number.push_back(found->second);
+    if (tried_.contains(candidate.sample.utime_us)) tried.insert(candidate.island);
+  }
+  const ruminator::Island* seed = nullptr;
+  for (const PlaceCandidate& candidate : candidates) {
+    if (candidate.island == PlaceCandidate::kInMap || tried.contains(candidate.island)) continue;
+    const ruminator::Island& island = islands.all[static_cast<size_t>(candidate.island)];
+    if (!seed || island.frames > seed->frames) seed = &island;
+  }
+  if (!seed) return {};
+  const auto similarity = [&](size_t a, size_t b) { return index_.similarity(number[a], number[b]); };
+  return choose_place_window(candidates, seed->id, similarity, ruminator::kPlaceWindowImages);
+}
+
+void Again::rebuild(const PlaceWindow& window) {
+  std::vector<Sample> samples;
+  std::set<int64_t> utimes_us;
+  for (const PlaceCandidate& candidate : window.candidates) {
+    if (candidate.island != PlaceCandidate::kInMap) tried_.insert(candidate.sample.utime_us);
+    samples.push_back(candidate.sample);
+    utimes_us.insert(candidate.sample.utime_us);
+  }
+  system_.ruminator.rebuild_again(std::move(samples), images(utimes_us));
+  system_.settle();
+}
+
+// True if it won frames.
+bool Again::round(int number, double end_s) {
+  const double begin_s = process_cpu_s();
+  const int64_t before = system_.atlas.frames_in_map();
+  tried_.clear();
+  size_t windows = 0;
+  while (!is_over(end_s)) {
+    const Islands islands = find_islands(system_.atlas, system_.ruminator.session(), system_.ruminator.stream());
+    const PlaceWindow window = next_window(islands);
+    if (window.candidates.empty()) break;
+    const int64_t in_map = system_.atlas.frames_in_map();
+    rebuild(window);
+    log_info("round {}, window {}: {} of {} islands, {} images, {} frames won", number, ++windows,
+             window.islands.size(), islands.all.size(), window.candidates.size(),
+             system_.atlas.frames_in_map() - in_map);
+  }
+  const int64_t won = system_.atlas.frames_in_map() - before;
+  log_info("round {}: {} windows, {} frames won, {:.0f} s CPU", number, windows, won, process_cpu_s() - begin_s);
+  return won > 0;
+}
+
+}  // namespace rumi::tool
