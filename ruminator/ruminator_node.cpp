@@ -178,6 +178,7 @@ void RuminatorNode::rebuild_again(std::vector<Sample> gap, std::vector<image_t> 
   window.resumed_utime_us = gap.back().utime_us;
   window.gap_frames = static_cast<int>(gap.size());
   window.gap = std::move(gap);
+  window.by_place = true;
   hand_on(window, std::move(images));
 }
 

@@ -121,7 +121,7 @@ class BackSubmapBuild {
     progress_(BuildStage::kMapping, 0);
     const std::vector<Sample> front = front_samples(job_.window);
     WindowModelResult found = build_window_model(
-        {camera_, usable_.colmap, usable_.utimes_us, pairs_, front}, options_, work_folder_,
+        {camera_, usable_.colmap, usable_.utimes_us, pairs_, front, job_.window.by_place}, options_, work_folder_,
         [this](double fraction) { progress_(BuildStage::kMapping, 0.9 * fraction); }, cancel_);
     child_cpu_s_ = found.child_cpu_s;
     result_.models_tried = found.attempts;

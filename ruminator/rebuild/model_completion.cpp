@@ -45,6 +45,18 @@ WindowModel ModelCompletion::complete(SparseModel model, std::string origin) con
   return candidate;
 }
 
+WindowModel ModelCompletion::reduced(WindowModel candidate, const std::set<int>& kept) const {
+  std::set<int> off;
+  for (const auto& [image, pose] : candidate.model.cam_from_world)
+    if (!kept.contains(image)) off.insert(image);
+  if (off.empty()) return candidate;
+  remove_images(off, &candidate.model);
+  candidate.broken_off += static_cast<int>(off.size());
+  candidate.quality = adjust(&candidate.model);
+  candidate.origin += fmt::format(", {} images left out that no other model places there", off.size());
+  return candidate;
+}
+
 std::vector<SparseModel> ModelCompletion::joined(const std::vector<SparseModel>& models) const {
   std::vector<SparseModel> joined;
   for (size_t a = 0; a < models.size(); ++a) {

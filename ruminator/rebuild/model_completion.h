@@ -5,6 +5,7 @@
 // remains unrelated.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ class ModelCompletion {
 
   // Returns a candidate with model, origin, quality, broken_off and is_tied_to_front set; judge_model() sets the rest.
   WindowModel complete(SparseModel model, std::string origin) const;
+  // Returns the candidate with the images `kept` only, adjusted.
+  WindowModel reduced(WindowModel candidate, const std::set<int>& kept) const;
   // Joins any two models that have enough points in common, if the result has more images than each.
   std::vector<SparseModel> joined(const std::vector<SparseModel>& models) const;
 

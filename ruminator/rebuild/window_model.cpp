@@ -4,12 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
+#include <set>
+#include <utility>
 
 #include "base/running/log.h"
 #include "base/running/stage_clock.h"
 #include "ruminator/colmap/write_model.h"
+#include "ruminator/model/model_agreement.h"
 #include "ruminator/rebuild/model_completion.h"
 
 namespace rumi::ruminator {
@@ -18,9 +22,21 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kCompleteRatio = 0.95;  // a model with this share of the connected images needs no further attempts
+constexpr double kEnoughByPlace = 0.5;   // the same for windows by place
 // A mapper whose wall-clock time exceeds its CPU limit by this factor hangs; below it, other programs may use the
 // cores.
 constexpr double kWallPerCpuTime = 30;
+
+Result<> check_quality(const WindowModel& candidate, const BuildOptions& options) {
+  const size_t images = candidate.model.cam_from_world.size();
+  if (images < 3) return Error{fmt::format("{} images have a pose", images)};
+  if (candidate.quality.rmse_px > options.max_rmse_px)
+    return Error{fmt::format("reprojection error {:.2f} px", candidate.quality.rmse_px)};
+  if (candidate.pair_rotation_deg > options.max_pair_rotation_deg)
+    return Error{fmt::format("its rotations differ from those between its images by {:.1f} degrees",
+                             candidate.pair_rotation_deg)};
+  return {};
+}
 
 class Attempts {
  public:
@@ -51,6 +67,7 @@ class Attempts {
       adjust_model(in_.camera, in_.images, rough, &*model);
     }
     WindowModel ours = completion_.complete(std::move(*model), "global model");
+    ours.is_global = true;
     const std::string seed = folder_ + "/seed";
     std::error_code ignored;
     fs::create_directories(seed, ignored);
@@ -73,14 +90,17 @@ class Attempts {
       add_rival(completion_.complete(model, origin + ", two models joined"));
   }
 
-  bool is_complete() const {
+  bool is_enough() const {
+    if (in_.by_place) return static_cast<double>(most_confirmed().images.size()) >= kEnoughByPlace * connected_;
     return std::any_of(candidates_.begin(), candidates_.end(), [this](const WindowModel& c) {
       return c.credible && images_of(c) >= kCompleteRatio * connected_;
     });
   }
 
-  // Chooses the candidate with the smallest error among the credible ones that have about the most images.
+  // Chooses the candidate with the smallest error among the credible ones that have about the most images; for windows
+  // by place, what most images of two candidates agree on.
   void choose() {
+    if (in_.by_place) return choose_confirmed();
     double most = 0;
     for (const WindowModel& c : candidates_)
       if (c.credible) most = std::max(most, images_of(c));
@@ -103,6 +123,39 @@ class Attempts {
   // Counts images that were broken off too: a candidate that keeps them connected has only guessed their scale.
   static double images_of(const WindowModel& c) {
     return static_cast<double>(c.model.cam_from_world.size()) + c.broken_off;
+  }
+
+  struct Confirmed {
+    const WindowModel* model = nullptr;
+    std::set<int> images;
+  };
+
+  // Returns the candidate of which most images are placed alike by candidates of the other kind, with these images.
+  Confirmed most_confirmed() const {
+    Confirmed most;
+    for (const WindowModel& c : candidates_) {
+      if (!check_quality(c, o_)) continue;
+      std::set<int> images;
+      for (const WindowModel& other : candidates_)
+        if (other.is_global != c.is_global) images.merge(agreeing_images(other.model, c.model));
+      if (images.size() > most.images.size()) most = {&c, std::move(images)};
+    }
+    return most;
+  }
+
+  void choose_confirmed() {
+    const Confirmed most = most_confirmed();
+    if (!most.model) {
+      result.best =
+          Error{fmt::format("no two of {} models agree on where most of their images are", candidates_.size())};
+      return;
+    }
+    WindowModel best = completion_.reduced(*most.model, most.images);
+    judge_model(in_, rotations_, o_, &best);
+    if (best.credible)
+      result.best = std::move(best);
+    else
+      result.best = best.credible.error();
   }
 
   MapperSettings common_settings() const {
@@ -142,7 +195,9 @@ class Attempts {
         outcome.models->begin(), outcome.models->end(),
         [](const SparseModel& a, const SparseModel& b) { return a.cam_from_world.size() < b.cam_from_world.size(); });
     if (extended.cam_from_world.size() <= ours->model.cam_from_world.size()) return;
-    add(completion_.complete(std::move(extended), "global model extended by COLMAP"));
+    WindowModel candidate = completion_.complete(std::move(extended), "global model extended by COLMAP");
+    candidate.is_global = true;
+    add(std::move(candidate));
   }
 
   void add(WindowModel candidate) {
@@ -188,17 +243,6 @@ class Attempts {
   size_t globals_ = 0;  // number of candidates from the global model, which come first
 };
 
-Result<> check_quality(const WindowModel& candidate, const BuildOptions& options) {
-  const size_t images = candidate.model.cam_from_world.size();
-  if (images < 3) return Error{fmt::format("{} images have a pose", images)};
-  if (candidate.quality.rmse_px > options.max_rmse_px)
-    return Error{fmt::format("reprojection error {:.2f} px", candidate.quality.rmse_px)};
-  if (candidate.pair_rotation_deg > options.max_pair_rotation_deg)
-    return Error{fmt::format("its rotations differ from those between its images by {:.1f} degrees",
-                             candidate.pair_rotation_deg)};
-  return {};
-}
-
 }  // namespace
 
 void judge_model(const WindowModelInput& input, const std::vector<RelativeRotation>& rotations,
@@ -236,10 +280,12 @@ WindowModelResult attempt(const WindowModelInput& input, const BuildOptions& opt
   }
   attempts.global();
   progress(0.5);
-  for (const double angle_deg : {4.0, 8.0, 16.0}) {
-    if (attempts.is_complete() || cancel) break;
-    attempts.colmap_alone(angle_deg);
-    progress(0.5 + 0.5 * angle_deg / 20);
+  std::array angles_deg = {4.0, 8.0, 16.0};
+  // The widest first pair has most often the most images. But where all is near in time there may be none.
+  if (input.by_place) std::reverse(angles_deg.begin(), angles_deg.end());
+  for (size_t i = 0; i < angles_deg.size() && !attempts.is_enough() && !cancel; ++i) {
+    attempts.colmap_alone(angles_deg[i]);
+    progress(0.6 + 0.1 * static_cast<double>(i + 1));
   }
   if (cancel) {
     attempts.result.cancelled = true;
@@ -252,7 +298,7 @@ WindowModelResult attempt(const WindowModelInput& input, const BuildOptions& opt
 
 // True if images were broken off, and the model has too few of the images that front_tracker has poses of.
 bool is_adrift(const WindowModelInput& input, const WindowModelResult& result) {
-  if (!result.best || result.best->broken_off == 0 || !result.best->agreement.empty()) return false;
+  if (input.by_place || !result.best || result.best->broken_off == 0 || !result.best->agreement.empty()) return false;
   std::map<int32_t, size_t> known;
   for (const Sample& sample : input.front) ++known[sample.submap_id];
   return std::any_of(known.begin(), known.end(), [](const auto& submap) { return submap.second >= kMinFrontFrames; });

@@ -6,6 +6,9 @@
 // 2. if that leaves images out, or is not credible, COLMAP's mapper alone, from several first pairs;
 // 3. if too few of the images that front_tracker knows are left, because they were torn off (torn_model.h): the same
 //    attempts with a wider limit for tears.
+// A window by place is not cut around one motion, and may have parts that nothing but a mistake connects. So a model of
+// it needs a witness: it keeps the images that the global model and one of COLMAP's agree on, and half of all ends the
+// attempts, because the others come into a further window.
 #pragma once
 
 #include <atomic>
@@ -24,7 +27,8 @@ struct WindowModel {
   SparseModel model;
   std::string origin;  // "global model, COLMAP", "COLMAP, first pair at 8 degrees", ...
   ModelQuality quality;
-  int broken_off = 0;  // images left out because nothing determines their position or scale relative to the others
+  bool is_global = false;  // begun with all images at once; else COLMAP began it with a pair
+  int broken_off = 0;      // images left out because nothing determines their position or scale relative to the others
   bool is_tied_to_front = false;  // front_tracker's poses determine the scales of its parts
   // Median difference between the model's relative rotations and those of the pairs' essential matrices.
   double pair_rotation_deg = 0;
@@ -46,6 +50,7 @@ struct WindowModelInput {
   const std::vector<int64_t>& utimes_us;  // times of the images
   const std::vector<ImagePair>& pairs;
   const std::vector<Sample>& front;  // samples for which front_tracker has poses
+  bool by_place = false;             // see RuminationWindow
 };
 
 // Sets agreement, pair_rotation_deg and credible of a candidate whose model and quality are set already. `rotations`:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A rumination window: the frames around a tracking loss that are rebuilt, S = S1 + S2 + S3 in the paper, section IV.B.
+// A rumination window: frames that are rebuilt together. A window by time has the frames around a tracking loss, S = S1 +
+// S2 + S3 in the paper, section IV.B. A window by place (ruminator/again) has frames that look alike, all in `gap`.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +27,7 @@ struct RuminationWindow {
   int64_t lost_utime_us = 0;
   int64_t resumed_utime_us = 0;                  // 0 while tracking is lost
   std::vector<Sample> approach, gap, departure;  // S1, S2, S3, each in order of time
+  bool by_place = false;
   int gap_frames = 0;                            // all frames of the gap, also those thinned out or without an image
   std::string reason;                            // why the window ended before it was complete; may be empty
 

@@ -81,6 +81,7 @@ Result<RuminationWindow> read_window(const window_job_t& m) {
   window.lost_utime_us = w.lost_utime;
   window.resumed_utime_us = w.resumed_utime;
   window.gap_frames = w.gap_frames;
+  window.by_place = w.by_place != 0;
   window.reason = w.reason;
   size_t index = 0;
   for (const auto& [utimes, samples] :

@@ -39,6 +39,7 @@ window_t to_message(const RuminationWindow& window, int64_t utime_us, int8_t sta
   message.approach_utime = utimes(window.approach);
   message.napproach = static_cast<int32_t>(message.approach_utime.size());
   message.gap_frames = window.gap_frames;
+  message.by_place = window.by_place;
   message.gap_utime = utimes(window.gap);
   message.ngap = static_cast<int32_t>(message.gap_utime.size());
   message.departure_utime = utimes(window.departure);

@@ -55,16 +55,17 @@ class WindowJobTest : public ::testing::Test {
 };
 
 TEST_F(WindowJobTest, ComesBackAsItWas) {
-  const WindowJob job = small_job(5, 123456789);
+  WindowJob job = small_job(5, 123456789);
+  job.window.by_place = true;
   write(job);
   const Result<WindowJobFile> read = read_window_job(file());
   ASSERT_TRUE(read) << read.error_text();
   EXPECT_EQ(read->broken_images, 0);
   const RuminationWindow &a = job.window, &b = read->job.window;
   EXPECT_EQ(std::tie(a.id, a.session, a.submap_before, a.submap_after, a.lost_utime_us, a.resumed_utime_us,
-                     a.gap_frames, a.reason),
+                     a.gap_frames, a.by_place, a.reason),
             std::tie(b.id, b.session, b.submap_before, b.submap_after, b.lost_utime_us, b.resumed_utime_us,
-                     b.gap_frames, b.reason));
+                     b.gap_frames, b.by_place, b.reason));
   const auto expect_same = [](const std::vector<Sample>& x, const std::vector<Sample>& y) {
     ASSERT_EQ(x.size(), y.size());
     for (size_t i = 0; i < x.size(); ++i) {
@@ -165,7 +166,7 @@ TEST_F(WindowJobTest, AnotherVersionIsToldFromDamage) {
   older[0] ^= 0xff;
   EXPECT_THAT(error_of_bytes(older),
               AllOf(HasSubstr("7-1.window"), HasSubstr("no window_job_t of this version"),
-                    HasSubstr("its fingerprint is 0x60f1637d718e07b4, this program reads 0x9ff1637d718e07b4")));
+                    HasSubstr("its fingerprint is 0x9d89e149b63ce14b, this program reads 0x6289e149b63ce14b")));
   manifest.pop_back();
   EXPECT_THAT(error_of_bytes(manifest), HasSubstr("it is a damaged window_job_t"));
 }
