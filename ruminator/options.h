@@ -12,7 +12,7 @@ namespace rumi::ruminator {
 struct RuminatorOptions : RebuildQueueOptions {
   WindowOptions window;
   std::string camera_file;  // calibration to use in place of the images'; empty: none
-  double again_s = 600;     // CPU time for images that the map lacks, at the end of a replay
+  int again_images = 1000;  // most images of all windows by place; 0: there are none
 };
 
 inline void describe(OptionTable& table, RuminatorOptions& o) {
@@ -34,11 +34,10 @@ inline void describe(OptionTable& table, RuminatorOptions& o) {
             1000);
   table.add("ruminator.camera_file", &o.camera_file, "calibration; empty: the one that comes with the images");
   table.add("ruminator.rebuild", &o.rebuild, "rebuild the windows; false: only announce them");
-  table.add(
-      "ruminator.again_s", &o.again_s, "s",
-      "CPU time at the end of a replay, at most, to rebuild what the map lacks together with what looks like it; 0: "
-      "none",
-      0, 1e6);
+  table.add("ruminator.again_images", &o.again_images, "images",
+            "rebuilt again at the end of a replay, at most, because the map lacks them or they look like what it lacks "
+            "(about 1 s of CPU time each); 0: none",
+            0, 1000000);
   table.add("ruminator.spool", &o.spool,
             "folder where windows wait, and are found again after a restart; empty: in memory (replay always)");
   table.add("ruminator.failed_mb", &o.failed_mb, "MB", "windows that could not be rebuilt are kept up to this size", 0,
@@ -47,7 +46,7 @@ inline void describe(OptionTable& table, RuminatorOptions& o) {
             1000);
   table.add("ruminator.retry_s", &o.retry_s, "s", "to the next try of rebuilding, or of sending to map_server", 0.1,
             86400);
-  table.for_users({"ruminator.colmap", "ruminator.camera_file", "ruminator.rebuild", "ruminator.again_s",
+  table.for_users({"ruminator.colmap", "ruminator.camera_file", "ruminator.rebuild", "ruminator.again_images",
                    "ruminator.spool", "ruminator.ring_mb", "ruminator.failed_mb"});
 }
 

@@ -93,17 +93,17 @@ Islands find_islands(const Atlas& atlas, int64_t session, int64_t stream) {
   return result;
 }
 
-void Again::run(double budget_s) {
-  const double end_s = process_cpu_s() + budget_s;
+void Again::run(int64_t most_images) {
+  images_left_ = most_images;
   system_.settle();
   const Islands islands = find_islands(system_.atlas, system_.ruminator.session(), system_.ruminator.stream());
   const auto all = static_cast<double>(system_.atlas.frames().size());
   if (static_cast<double>(islands.frames) < kLeastShare * all) return;
   index(islands);
-  for (int number = 2; !is_over(end_s) && round(number, end_s); ++number) continue;
+  for (int number = 2; !is_over() && round(number); ++number) continue;
 }
 
-bool Again::is_over(double end_s) const { return (system_.stop && *system_.stop) || process_cpu_s() >= end_s; }
+bool Again::is_over() const { return (system_.stop && *system_.stop) || images_left_ <= 0; }
 
 std::vector<image_t> Again::images(const std::set<int64_t>& utimes_us) {
   std::vector<image_t> found;
@@ -148,7 +148,8 @@ PlaceWindow Again::next_window(const Islands& islands) {
   }
   if (!seed) return {};
   const auto similarity = [&](size_t a, size_t b) { return index_.similarity(number[a], number[b]); };
-  return choose_place_window(candidates, seed->id, similarity, ruminator::kPlaceWindowImages);
+  return choose_place_window(candidates, seed->id, similarity,
+                             static_cast<int>(std::min<int64_t>(images_left_, ruminator::kPlaceWindowImages)));
 }
 
 void Again::rebuild(const PlaceWindow& window) {
@@ -159,17 +160,18 @@ void Again::rebuild(const PlaceWindow& window) {
     samples.push_back(candidate.sample);
     utimes_us.insert(candidate.sample.utime_us);
   }
+  images_left_ -= static_cast<int64_t>(samples.size());
   system_.ruminator.rebuild_again(std::move(samples), images(utimes_us));
   system_.settle();
 }
 
 // True if it won frames.
-bool Again::round(int number, double end_s) {
+bool Again::round(int number) {
   const double begin_s = process_cpu_s();
   const int64_t before = system_.atlas.frames_in_map();
   tried_.clear();
   size_t windows = 0;
-  while (!is_over(end_s)) {
+  while (!is_over()) {
     const Islands islands = find_islands(system_.atlas, system_.ruminator.session(), system_.ruminator.stream());
     const PlaceWindow window = next_window(islands);
     if (window.candidates.empty()) break;

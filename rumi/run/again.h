@@ -37,18 +37,20 @@ class Again {
   };
   explicit Again(System system) : system_(std::move(system)) {}
 
-  // Ends when a round wins nothing, when the CPU time is spent, or when it is called off.
-  void run(double budget_s);
+  // Ends when a round wins nothing, when the windows have had `most_images`, or when it is called off. (A limit of the
+  // CPU time would make the result depend on the machine.)
+  void run(int64_t most_images);
 
  private:
-  bool round(int number, double end_s);
+  bool round(int number);
   void index(const Islands& islands);
   ruminator::PlaceWindow next_window(const Islands& islands);
   void rebuild(const ruminator::PlaceWindow& window);
   std::vector<image_t> images(const std::set<int64_t>& utimes_us);
-  bool is_over(double end_s) const;
+  bool is_over() const;
 
   System system_;
+  int64_t images_left_ = 0;
   ruminator::PlaceIndex index_;
   std::map<int64_t, size_t> number_in_index_;  // by utime
   std::set<int64_t> tried_;                    // utimes of images of islands in the windows of this round

@@ -67,7 +67,7 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
   auto* rebuilding =
       add<ruminator::RuminatorNode>("ruminator", ruminator, ruminator_hooks, read_given_camera(ruminator.camera_file));
   if (ruminator.rebuild && !map_server.localize_only) ruminator_ = rebuilding;
-  again_s_ = ruminator.again_s;
+  again_images_ = ruminator.again_images;
   stop_ = hooks.stop;
   map_server_ = add<map_server::MapServerNode>("map_server", map_server);
   // Sessions are ordered by their numbers, which are times. A recording's times may be earlier than the map's (they may
@@ -152,7 +152,7 @@ void Replay::ruminate_again() {
   };
   const double before_s = others_cpu_s();
   Again({.atlas = atlas(), .recording = recording(), .ruminator = *ruminator_, .settle = settle_all, .stop = stop_})
-      .run(again_s_);
+      .run(again_images_);
   const auto ruminator = std::find_if(components_.begin(), components_.end(),
                                       [](const auto& component) { return component->name == "ruminator"; });
   (*ruminator)->cpu_s += others_cpu_s() - before_s;
@@ -172,7 +172,7 @@ std::string Replay::finish() {
       bus_.set_now_us(bus_.now_us() + kFinishStepUs);
       settle();
     }
-    if (component->name == "ruminator" && ruminator_ && again_s_ > 0) {
+    if (component->name == "ruminator" && ruminator_ && again_images_ > 0) {
       ruminate_again();
       deadline_us = bus_.now_us() + kFinishTimeoutUs;
     }

@@ -116,7 +116,7 @@ class Replay {
   front_tracker::FrontTrackerNode* front_tracker_ = nullptr;
   map_server::MapServerNode* map_server_ = nullptr;
   ruminator::RuminatorNode* ruminator_ = nullptr;  // null: it rebuilds nothing, or the map stays as it is
-  double again_s_ = 0;
+  int again_images_ = 0;
   const std::atomic<bool>* stop_ = nullptr;
   int64_t earlier_sessions_ = map_server::kNoSession;
   int64_t frames_ = 0;

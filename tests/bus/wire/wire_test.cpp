@@ -43,9 +43,9 @@ TEST(WireTest, FingerprintsOfOurs) {
   PIN(landmark_t, 0x4456b82dd7a35e00u);
   PIN(frame_t, 0xd5ada0b856872fd7u);
   PIN(submap_update_t, 0xf98d005885732696u);
-  PIN(window_t, 0x86e34749725c83adu);
+  PIN(window_t, 0xe82f862f94b3f078u);
   PIN(window_sample_t, 0x2023c02d415c880fu);
-  PIN(window_job_t, 0x9ff1637d718e07b4u);
+  PIN(window_job_t, 0x6289e149b63ce14bu);
   PIN(submap_summary_t, 0xf0b51c44fdd54040u);
   PIN(link_t, 0x38f23425dfb0bba0u);
   PIN(trajectory_t, 0x9f9c1e97bfff7377u);
