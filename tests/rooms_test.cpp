@@ -81,6 +81,7 @@ const std::map<std::string, std::map<std::string, Names>> kRooms = {
      {{"window", {}},
       {"matching", {}},
       {"model", {"window", "matching"}},
+      {"again", {"window", "matching"}},
       {"colmap", {"window", "matching", "model"}},
       {"rebuild", {"window", "matching", "model", "colmap"}},
       {"queue", {"window", "matching", "model", "colmap", "rebuild"}}}},

@@ -28,7 +28,7 @@ SparseModel make_walk(int images, bool on_line, unsigned seed) {
   return model;
 }
 
-// The same model in another coordinate system and unit.
+// Returns the model in another coordinate system and unit.
 SparseModel transformed(const SparseModel& model) {
   const Sim3 t(3.5, Eigen::Quaterniond(Eigen::AngleAxisd(1.2, Eigen::Vector3d(1, 2, 3).normalized())), {40, -7, 2});
   SparseModel result;
