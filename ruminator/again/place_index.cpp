@@ -12,7 +12,7 @@ namespace {
 // Places are recognized by coarse structure: small images are enough, and cost a tenth.
 constexpr int kImageSide_px = 480;
 constexpr int kKeypoints = 300;
-constexpr size_t kLeastKeypoints = 20;
+constexpr size_t kLeastKeypoints = 50;  // an image with fewer shows nothing to be rebuilt (first_look.cpp)
 constexpr int kWords = 32;
 constexpr int kTrainingDescriptors = 6000;
 constexpr int kDimensions = std::tuple_size_v<SiftDescriptor>;

@@ -288,6 +288,34 @@ TEST_F(RuminatorNodeTest, FinishEndsTheOpenWindow) {
   expect_images_of(jobs_.at(0));
 }
 
+TEST_F(RuminatorNodeTest, ImagesAreRebuiltAgainAsAWindowByPlace) {
+  start();
+  frames(30, 1);
+  frames(10, kNoSubmap);
+  frames(30, 2);
+  node_->finish();
+  ASSERT_EQ(jobs_.size(), 1u);
+  std::vector<Sample> samples;
+  std::vector<image_t> images;
+  for (int64_t utime_us = now_ - 20 * kPeriodUs; utime_us <= now_; utime_us += 2 * kPeriodUs) {
+    samples.push_back({.utime_us = utime_us});
+    images.push_back(make_image(utime_us));
+  }
+  node_->rebuild_again(samples, images);
+  bus_.dispatch();
+  ASSERT_EQ(jobs_.size(), 2u);
+  const RuminationWindow &by_time = jobs_[0].window, &again = jobs_[1].window;
+  EXPECT_FALSE(by_time.by_place);
+  EXPECT_TRUE(again.by_place);
+  EXPECT_EQ(again.id, by_time.id + 1);
+  EXPECT_EQ(again.session, by_time.session);
+  EXPECT_EQ(again.gap.size(), samples.size());
+  EXPECT_EQ(again.samples().size(), samples.size());
+  expect_images_of(jobs_[1]);
+  ASSERT_FALSE(announced_.empty());
+  EXPECT_NE(announced_.back().by_place, 0);
+}
+
 TEST_F(RuminatorNodeTest, NonsenseIsCountedAndHurtsNothing) {
   start();
   std::mt19937 random(1);
