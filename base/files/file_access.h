@@ -18,7 +18,7 @@ bool may_be_there(const std::filesystem::path& path);
 
 // Returns a note on the owner of `path` (of its folder if it does not exist), to be put behind the reason why it cannot
 // be written: "; /srv belongs to root (uid 0), and this is anna (uid 1000)". Returns an empty string if the owner is
-// the user of this process.
+// the user of this process, or cannot be found out.
 std::string note_on_owner(const std::filesystem::path& path);
 
 }  // namespace rumi

@@ -29,7 +29,8 @@ struct TransferOptions {
   int64_t retry_us = 300'000;       // without news for so long, the sender repeats a chunk and the receiver asks again
   int64_t give_up_us = 60'000'000;  // without any news for so long, the sender reports failure and the receiver forgets
   int64_t max_payload_bytes = int64_t{4} << 30;  // larger payloads are neither sent nor taken
-  int64_t max_held_bytes = int64_t{4} << 30;     // in all incomplete transfers; beyond it the one idle for longest goes
+  int64_t max_held_bytes = int64_t{4} << 30;     // bytes of all incomplete transfers together; beyond it, the receiver
+                                                 // drops the one that has been idle for longest
 };
 
 struct TransferResult {
