@@ -55,7 +55,7 @@ class ChunkSender {
   void tick(int64_t now_us);
   // Returns the number of payloads that are not acknowledged yet.
   int pending() const;
-  // Returns the number of chunks plus that of payloads acknowledged so far.
+  // Returns the number of chunks acknowledged so far, plus that of payloads that were accepted or refused.
   int64_t acknowledged() const { return acknowledged_; }
 
  private:

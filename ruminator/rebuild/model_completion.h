@@ -20,7 +20,8 @@ class ModelCompletion {
 
   // Returns a candidate with model, origin, quality, broken_off and is_tied_to_front set; judge_model() sets the rest.
   WindowModel complete(SparseModel model, std::string origin) const;
-  // Joins any two models that have enough points in common, if the result has more images than each.
+  // Joins every two models that have enough points in common. Returns the results that have more images than each of
+  // their two models.
   std::vector<SparseModel> joined(const std::vector<SparseModel>& models) const;
 
  private:
