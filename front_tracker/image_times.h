@@ -31,10 +31,10 @@ class ImageTimes {
   // Gives up the images that wait.
   void forget_row() { row_ = 0; }
 
-  int row() const { return row_; }              // number of images that wait, with the last one
-  Doubt doubt() const { return doubt_; }        // doubt about the time of the last image
-  bool are_none() const;                        // true: the latest times did not rise as a camera's do
-  std::string what_is_wrong() const;            // text about the times if are_none()
+  int row() const { return row_; }        // number of images that wait, with the last one
+  Doubt doubt() const { return doubt_; }  // doubt about the time of the last image
+  bool are_none() const;                  // true: the latest times did not rise as a camera's do
+  std::string what_is_wrong() const;      // text about the times if are_none()
   // Returns the time that the next image must exceed: the one given to the last take() of this session (1 us before the
   // first of the waiting images, if judge() has just let them in), or kNever.
   int64_t last_us() const { return last_us_; }
