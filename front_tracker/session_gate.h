@@ -5,7 +5,8 @@
 //   image                                                decision
 //   goes on from the last one                            kTrack
 //   the same time as the last one                        kRefused
-//   no calibration, a broken one, or one of another size kRefused
+//   a calibration that is not known, broken, or of       kRefused
+//   another size
 //   another stream or calibration than the session's     kWaits; ten in a row: kRetake, they begin a session
 //   a time that does not go on from the last one         kWaits; enough in a row (see ImageTimes): kRetake, they begin
 //                                                        a session, or the session goes on after a pause
@@ -58,7 +59,7 @@ class SessionGate {
   // Refuses the images that wait.
   void give_up_waiting();
 
-  // Returns the time of the last image that was used; ImageTimes::kNever if there is none.
+  // See ImageTimes::last_us().
   int64_t last_us() const { return times_.last_us(); }
   // Returns why the last image was not used; empty if it was.
   const std::string& problem() const { return problem_; }

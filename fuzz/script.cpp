@@ -15,7 +15,7 @@ constexpr size_t kMostEvents = 48;  // longer inputs are cut, as a run should ta
 constexpr size_t kHeaderBytes = 3;
 constexpr int64_t kBegin_us = 1'000'000;
 constexpr int64_t kMessage_us = 20'000;  // time that passes after each message
-constexpr int kLongestPause = 18;        // a pause is 2^n ms with n below this: two minutes at most
+constexpr int kLongestPause = 18;        // a pause is 2^n ms with n below this: 131 s at most
 constexpr int kStepsToEnd = 3;
 
 // Remembers the requests that the node sends to map_server, so that payloads can answer them.

@@ -21,7 +21,7 @@ class SnapshotFile {
   // Takes the result of a finished copy. Begins the next copy if it is due, none is being made, and the store is not
   // behind.
   void tick(int64_t now_us);
-  // Writes the file and waits for it.
+  // Writes the file if anything changed since the last copy, and waits until it is written.
   void write_now(int64_t now_us);
   const WriteTrouble& trouble() const { return trouble_; }
 

@@ -16,7 +16,7 @@ namespace rumi {
 
 struct ChildLaunch {
   std::vector<std::string> arguments;    // the program (found in PATH, or a path) and its arguments
-  std::vector<std::string> environment;  // NAME=value, in addition to this process's environment
+  std::vector<std::string> environment;  // NAME=value; replaces or adds to the variables of this process's environment
   int nice = 0;                          // its niceness, unless this process's is higher
   int death_signal = SIGKILL;            // sent to the child when the thread that started it ends
   std::vector<int> held_signals = {};    // signals that stay blocked in the child until the program is ready and
@@ -45,7 +45,7 @@ class Child {
   static Result<Child> start(const ChildLaunch& launch);
   Child(Child&& other) noexcept : pid_(std::exchange(other.pid_, 0)), output_(std::move(other.output_)) {}
   Child& operator=(Child&& other) noexcept;
-  ~Child();  // kills the program and its process group
+  ~Child();  // kills the program and its process group, unless reap() was called
 
   pid_t pid() const { return pid_; }
   // The read end of the pipe that the program writes stdout and stderr to. Reading does not block. -1 once it is

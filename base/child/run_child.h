@@ -14,13 +14,13 @@ namespace rumi {
 
 struct ChildCommand {
   std::vector<std::string> arguments;               // the program (found in PATH, or a path) and its arguments
-  std::vector<std::string> environment;             // NAME=value, in addition to this process's
+  std::vector<std::string> environment;             // NAME=value; replaces or adds to the variables of this process
   std::string log_file;                             // file that stdout and stderr are appended to; empty: no log
   size_t log_limit_bytes = 1 << 20;                 // bytes that one run may add to the log; last_output is not
                                                     // limited by it
   std::function<void(std::string_view)> on_output;  // called in the calling thread as output comes; may be empty
   double time_limit_s = 60;                         // wall clock; longer runs are ended
-  // time after which the program is ended if its first process has printed nothing and used hardly any CPU time
+  // time after which the program is ended if nothing was printed in it and its first process used hardly any CPU time
   double idle_limit_s = std::numeric_limits<double>::infinity();
   double cpu_limit_s = std::numeric_limits<double>::infinity();  // CPU time of its first process, all threads
   int nice = 0;                                                  // its niceness, unless this process's is higher

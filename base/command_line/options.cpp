@@ -116,7 +116,8 @@ std::string flatten(const YAML::Node& node, const std::string& key, Extent* exte
     return "";
   }
   if (key.empty()) return fmt::format("line {}: expected `section:` with `name: value` lines below it", line);
-  // A list becomes an empty text: it is an error only if an option of this table does not accept that.
+  // A list is kept as an empty text: sections of other processes are skipped, and an option of this table refuses the
+  // text unless it accepts an empty one.
   out->push_back({key, node.IsScalar() ? node.Scalar() : std::string(), node.IsNull(), line});
   return "";
 }

@@ -17,7 +17,8 @@ class OptionTable {
  public:
   // `key` is "section.name". The default is the value that *field has now. The field must outlive the table. Numbers
   // outside [min, max] and NaN are refused. `unit` is "px", "s", "frames", ... or "". A key may be added again with the
-  // same default, range and help: then its value goes into both fields, as for an option that two components share.
+  // same default, unit, range and help: then its value goes into both fields, as for an option that two components
+  // share.
   void add(const std::string& key, int* field, const std::string& unit, const std::string& help, int min, int max);
   void add(const std::string& key, double* field, const std::string& unit, const std::string& help, double min,
            double max);

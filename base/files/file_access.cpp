@@ -19,7 +19,8 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(path, code);
 }
 
-// Returns the outermost folder on the way to `path` that may not be entered; empty if all may.
+// Returns the outermost folder on the way to `path` that this process has no permission to enter; empty if there is no
+// such folder.
 fs::path closed_folder(const fs::path& path) {
   fs::path folder;
   for (const fs::path& part : fs::absolute(path).parent_path()) {

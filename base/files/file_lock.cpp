@@ -9,8 +9,8 @@
 namespace rumi {
 namespace {
 
-// True if `file` still names the opened file. The previous holder may have removed that one after this process opened
-// it: a lock on a removed file excludes nobody.
+// True if `file` still names the opened file. The previous holder may have removed the opened file after this process
+// opened it: a lock on a removed file excludes nobody.
 bool is_still_there(int fd, const std::string& file) {
   struct stat ours {
   }, there{};

@@ -24,7 +24,7 @@ class FileLock {
 };
 
 // Returns the pid that the holder of the lock has written, "unknown" if it has written none; nullopt if nobody holds
-// it.
+// the lock, or the file cannot be opened.
 std::optional<std::string> holder_of_lock(const std::string& file);
 
 }  // namespace rumi

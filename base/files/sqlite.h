@@ -29,7 +29,7 @@ class Database {
   Database() = default;
   // Opens the file, or creates it. ":memory:" is a database in memory that ends with the object.
   explicit Database(const std::string& file);
-  // Opens an existing file; read-only if it may not be written.
+  // Opens an existing file; read-only if there is no permission to write it.
   static Database open_existing(const std::string& file);
   // Opens an existing file read-only.
   static Database open_to_read(const std::string& file);

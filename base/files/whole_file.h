@@ -15,7 +15,7 @@ namespace rumi {
 class WholeFile {
  public:
   explicit WholeFile(const std::string& file);
-  ~WholeFile();  // without commit() no file remains
+  ~WholeFile();  // without commit(), removes the temporary file; a file that was there before stays as it was
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
 

@@ -37,7 +37,7 @@ class OnlyOne {
   const std::string& problem() const { return problem_; }
   // True if another process asked since the last call: then the status is to be published now.
   bool take_question();
-  // Describes, for a person, a later process of this name that does not end although it should; empty if none was heard
+  // Describes, for a person, another process of this name that goes on beside this one; empty if no new one was heard
   // since the last call.
   std::string take_warning();
 

@@ -78,9 +78,9 @@ struct ProcessDescription {
 
 // Runs a process: its main() calls this. Flags of every process: -l/--lcm-url URL (else LCM_DEFAULT_URL, else udpm with
 // TTL 0 and a large receive buffer), --channel-prefix P, -c/--channel NAME (the camera's channel), --config FILE, --set
-// KEY=VALUE, -v, -q, -h, --version. Returns the exit code: 0; kNotAll if the node complains; 1 for a failure; 2 if
-// starting the process again would not help, because the command line is wrong or the bus has another process of which
-// it may have only one.
+// KEY=VALUE, -v, -q, -h, --help-expert, --version. Returns the exit code: 0; kNotAll if the node complains; 1 for a
+// failure; 2 if starting the process again would not help, because the command line is wrong or the bus has another
+// process of which it may have only one. A second SIGINT or SIGTERM ends the process at once.
 int run_process(int argc, char** argv, const ProcessDescription& description);
 
 // The 1 Hz status of a node on any bus; call after every dispatch.

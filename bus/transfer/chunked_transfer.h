@@ -29,7 +29,8 @@ struct TransferOptions {
   int64_t retry_us = 300'000;       // without news for so long, the sender repeats a chunk and the receiver asks again
   int64_t give_up_us = 60'000'000;  // without any news for so long, the sender reports failure and the receiver forgets
   int64_t max_payload_bytes = int64_t{4} << 30;  // larger payloads are neither sent nor taken
-  int64_t max_held_bytes = int64_t{4} << 30;     // in all incomplete transfers; beyond it the one idle for longest goes
+  int64_t max_held_bytes = int64_t{4} << 30;     // bytes of all incomplete transfers together; beyond it, the receiver
+                                                 // drops the one that has been idle for longest
 };
 
 struct TransferResult {
@@ -54,7 +55,7 @@ class ChunkSender {
   void tick(int64_t now_us);
   // Returns the number of payloads that are not acknowledged yet.
   int pending() const;
-  // Returns the number of chunks plus that of payloads acknowledged so far.
+  // Returns the number of chunks acknowledged so far, plus that of payloads that were accepted or refused.
   int64_t acknowledged() const { return acknowledged_; }
 
  private:

@@ -47,7 +47,7 @@ struct ChannelCounts {
   std::string channel;
   int64_t received = 0;     // messages that arrived, dropped ones included
   int64_t dropped = 0;      // messages dropped because the queue was full
-  int64_t undecodable = 0;  // broken, truncated or of another type
+  int64_t undecodable = 0;  // messages that were broken, truncated, of another type, or without a plausible utime
   int queue_depth = 0;      // messages that wait now
 };
 

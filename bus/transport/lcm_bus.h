@@ -34,7 +34,7 @@ class LcmBus : public Bus {
   bool publish_raw(const std::string& channel, std::span<const uint8_t> data) override;
   // Throws std::runtime_error if LCM refuses (its multicast self test failed). To be called on the dispatching thread.
   void subscribe_raw(const std::string& channel, const QueueOptions& queue, RawHandler handler) override;
-  // Handles the messages that had arrived when it was called, so that a flood cannot keep it from returning.
+  // Handles only the messages that had arrived when it stopped waiting, so that a flood cannot keep it from returning.
   int dispatch(int timeout_ms) override;
   int64_t now_us() const override;
   std::vector<ChannelCounts> counts() const override;  // one per subscription, with the names of bus.h
@@ -75,8 +75,8 @@ class LcmBus : public Bus {
 
 // Returns advice with the two commands that let multicast of this udpm:// URL work on one machine.
 std::string multicast_advice(const std::string& url);
-// Returns advice if the kernel's receive buffer, limited by net.core.rmem_max, is too small for raw images; empty if it
-// is large enough.
+// Returns advice if the URL does not ask for a receive buffer, so that raw images may be lost, or asks for a larger one
+// than the kernel allows (net.core.rmem_max); otherwise an empty string.
 std::string receive_buffer_advice(const std::string& url, int64_t rmem_max);
 
 }  // namespace rumi

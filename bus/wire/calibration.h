@@ -20,8 +20,8 @@ struct Calibration {
 
 // Reads and checks a calibration. `name` stands for the text in Errors, which name the field, its value and what to do.
 Result<Calibration> parse_calibration(const std::string& text, const std::string& name);
-// Reads a calibration whose text is already split into fields. An Error if a field is missing, unknown or of a wrong
-// kind. Does not judge the numbers: check_calibration() does that.
+// Reads a calibration whose text is already split into fields. An Error if a field is missing, unknown, of a wrong kind
+// or not one of the camera's model. Does not judge the numbers otherwise: check_calibration() does that.
 Result<Calibration> read_calibration(Fields in);
 // An Error says why no image can be used with this camera.
 Result<> check_calibration(const Camera& camera);

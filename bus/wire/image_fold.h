@@ -9,8 +9,9 @@
 namespace rumi {
 
 struct Fold {
-  bool is_too_much = false;  // such a camera is of no use: little of the image is left
-  std::string text;          // which part of the image is not used, and what to do; empty if all of it is
+  bool is_too_much = false;  // the camera is of no use: more than half of the image lies beyond the fold
+  std::string text;          // says which part of the image is not used, and what to do about it; empty if that part is
+                             // nothing or too small to mention
 };
 Fold fold_of(const Camera& camera);
 

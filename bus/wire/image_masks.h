@@ -34,7 +34,7 @@ class MaskReader {
   // Returns the image's mask joined with `always`, resized to `size`. A mask that cannot be used counts as missing: see
   // problem().
   const ImageMask& read(const image_t& image, const cv::Size& size);
-  // Says why the mask of the last image that was read cannot be used; empty if it can.
+  // Says why the mask of the last image that was read cannot be used; empty if it can, or the image has none.
   const std::string& problem() const { return problem_; }
 
  private:

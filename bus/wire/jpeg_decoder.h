@@ -14,11 +14,11 @@ namespace rumi {
 
 struct JpegSize {
   int width = 0, height = 0;  // pixels
-  size_t bytes = 0;           // up to the end marker: some cameras leave something behind it
+  size_t bytes = 0;           // bytes up to and including the end marker: some cameras leave something behind it
 };
 
-// Reads the size from the frame header, without decoding. An Error if this is no JPEG, has no frame header, or is
-// truncated (no end marker).
+// Reads the size from the frame header, without decoding. An Error if this is no JPEG, its header is broken or missing,
+// or it is truncated (no end marker).
 Result<JpegSize> inspect_jpeg(std::span<const uint8_t> data);
 
 // Decodes to 8-bit grey or BGR. An orientation noted in the file is not applied: it would turn the image away from its

@@ -11,8 +11,8 @@ namespace rumi {
 
 class MapOverview {
  public:
-  // Takes in a page. Submaps and links that it does not list stay as they were last told, unless the page is complete
-  // or comes from another map.
+  // Takes in a page. Submaps and links that it does not list stay as they were last told, with two exceptions: a page
+  // of another map replaces everything, and a page with all submaps replaces the submaps.
   void take(const map_status_t& status);
 
   const std::map<SubmapKey, submap_summary_t>& submaps() const { return submaps_; }

@@ -21,7 +21,7 @@ namespace rumi {
 // Reads a list of "key: value"; throws YAML::Exception. Accepts OpenCV's "%YAML:1.0", a byte order mark and JSON.
 YAML::Node load_yaml(std::string text);
 
-// True for a whole number of pixels that an image may have.
+// True for a whole number up to a million. Camera::check() judges whether an image may have a side of so many pixels.
 bool is_side(double value);
 
 // Limits what is parsed: calibrations come with images from the network, too. The longest real ones are a few kB.
@@ -66,8 +66,8 @@ class Fields {
 
   // Counts the keys that begin like this as read: they do not matter to a camera.
   void pass_over(std::initializer_list<const char*> beginnings);
-  // Fails if a number of the optics, such as k4, is not 0 and was not read; names other keys that were not read in a
-  // note.
+  // Fails if a number of the optics, such as k4, is not 0 and was not read. If other keys were not read, adds a note
+  // that names them.
   void tell_unused();
 
  private:

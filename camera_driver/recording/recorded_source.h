@@ -67,7 +67,7 @@ class RecordedSource : public ImageSource {
   std::string first_problem_;
   SkippedFrames skipped_;
   int pass_ = 0;
-  int64_t taken_ = 0;               // frames taken, over all passes
+  int64_t taken_ = 0;               // frames that have been given a time, over all passes
   int64_t handed_out_in_pass_ = 0;  // images that could be read and fit the camera
   int64_t offset_us_ = 0;           // added to the times in later passes
 };

@@ -20,9 +20,9 @@ struct CameraControls {
 struct CameraOptions : CameraControls {
   std::string camera_file;  // calibration; empty: beside the data, or in the log
   std::string mask;         // file or folder, or kNoMask; empty: the mask beside the data
-  int every = 1;            // frames: publish every Nth
-  double start_s = 0;       // skipped at the beginning
-  double duration_s = 0;    // length of the part that is played, 0: all
+  int every = 1;            // N: every Nth frame is published
+  double start_s = 0;       // seconds that are skipped at the beginning
+  double duration_s = 0;    // seconds that are played; 0: to the end
   bool loop = false;        // again and again; times keep rising
   // Recording: new times at this rate, 0: as recorded; camera: asked for, 0: the calibration's fps, else 30.
   double rate_hz = 0;

@@ -37,7 +37,8 @@ class CaptureClock {
 
  private:
   void follow(const VideoSystem::Clocks& now);
-  std::optional<int64_t> offset_us_;  // system clock minus monotonic clock, as used
+  std::optional<int64_t> offset_us_;  // system clock minus monotonic clock, as applied to stamps: follows measured_us_
+                                      // slowly; nullopt before the first frame
   int64_t followed_at_us_ = 0;        // monotonic time when offset_us_ was last adapted
   int64_t measured_us_ = 0;           // latest measured offset
   int64_t replaced_ = 0;

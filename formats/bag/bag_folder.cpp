@@ -103,7 +103,8 @@ class BagFolder : public BagFile {
     if (missing_files_ == 0) return 0;
     if (const auto listed = listed_messages_.find(topic); listed != listed_messages_.end())
       return std::max<int64_t>(0, listed->second - found);
-    // Assumes that a missing file has as many messages as the others.
+    // Assumes that a missing file has as many messages of the topic as the present files have on average, and at least
+    // one.
     return std::max(missing_files_, missing_files_ * found / static_cast<int64_t>(files_.size()));
   }
   bool read(const BagPlace& place, std::vector<uint8_t>* bytes) override {

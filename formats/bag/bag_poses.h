@@ -14,11 +14,11 @@ namespace rumi {
 struct BagPoses {
   struct Pose {
     int64_t utime_us = 0;
-    SE3 map_from_cam;  // from the images' frame to the root of the frames
+    SE3 map_from_cam;  // from the coordinate frame of the images to the root of the transforms
   };
   std::vector<Pose> poses;  // in order of time, one per time
   bool has_transforms = true;
-  std::string note;   // names the frames of the poses
+  std::string note;   // names the two coordinate frames between which the poses are
   std::string error;  // why there are no poses; else empty
 };
 

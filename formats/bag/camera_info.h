@@ -11,7 +11,8 @@ namespace rumi {
 // Writes the message as `ros2 topic echo` prints it; parse_camera() reads and judges that. `is_rectified`: the images
 // are undistorted already, and P is their camera.
 std::string camera_info_text(const RosCameraInfo& info, bool is_rectified);
-// False if all is zero, which is how ROS says that there is no calibration.
+// False if the camera matrix (P for undistorted images, else K) is all zero, which is how ROS says that there is no
+// calibration.
 bool is_calibrated(const RosCameraInfo& info, bool is_rectified);
 // True for the values that the first Kinect's drivers give for a camera that nobody has calibrated.
 bool is_nominal_kinect(const RosCameraInfo& info);

@@ -8,7 +8,7 @@
 namespace rumi {
 
 // Returns the numbers, from 0, of the pages that have the size of the first one: smaller copies do not count. Empty if
-// the file is no TIFF file, or broken.
+// the file is no TIFF file; if it is broken, the pages before the damage.
 std::vector<int> pages_of_tiff(const std::filesystem::path& file);
 
 }  // namespace rumi

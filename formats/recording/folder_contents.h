@@ -8,7 +8,7 @@
 
 namespace rumi {
 
-// True if the name's ending is that of an image; hidden files are no images.
+// True if the name ends like that of an image of a kind that is read; hidden files are no images.
 bool is_image_name(const std::filesystem::path& file);
 // Returns the names of files in a folder that are pictures, by their endings, but of a kind that is not read.
 std::vector<std::string> pictures_not_read(const std::filesystem::path& folder);

@@ -7,8 +7,8 @@
 
 namespace rumi {
 
-// Says what the path is and what to give instead; empty if it is no output. A folder with images of its own is a
-// recording, even if a run wrote into it.
+// Says what the path is and what to give instead; empty if it is neither an output folder nor a database. A folder that
+// holds any other file counts as no output: it may be a recording into which a run wrote.
 std::string advice_on_own_output(const std::filesystem::path& path);
 
 }  // namespace rumi

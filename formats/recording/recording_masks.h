@@ -15,7 +15,7 @@ namespace rumi {
 
 // The places where masks are looked for.
 struct MaskPlaces {
-  std::string given;                           // what the user gave: file, folder, or kNoMask; empty: the others count
+  std::string given;                           // what the user gave: file, folder, or kNoMask; empty: the places below
   std::string of_calibration;                  // the file that the calibration names, or empty
   std::vector<std::filesystem::path> folders;  // folders that may have a file mask.png, and a folder `masks`
 };
@@ -25,11 +25,12 @@ bool is_mask_name(const std::string& name, const std::vector<std::string>& besid
 
 class RecordingMasks {
  public:
-  // Finds the masks, and reads enough of each to tell whether it fits images of `size`. An Error if one does not.
+  // Finds the masks, and reads enough of each to tell whether it fits images of `size`. An Error if one does not, or if
+  // the place that the user gave has none.
   Result<> find(const MaskPlaces& places, const FrameReader& reader, const cv::Size& size);
 
-  // Returns the PNG for the frame's metadata; empty if the whole image shows the world. A mask that turns out broken is
-  // not used, and the first one is logged.
+  // Returns the PNG for the frame's metadata; empty if the frame has no mask. If its own mask turns out broken, only
+  // the mask of all images is used; the first such case is logged.
   std::string png_of(size_t frame);
   // Describes the masks for the log; empty if there are none.
   const std::string& what() const { return what_; }

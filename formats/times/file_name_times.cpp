@@ -25,7 +25,7 @@ std::optional<std::smatch> find(const std::string& name, const std::regex& form)
 }
 
 struct Zone {
-  int64_t seconds = 0;      // by which local time is ahead of UTC
+  int64_t seconds = 0;      // local time minus UTC
   bool is_at_once = false;  // the zone follows the second without decimals between
 };
 

@@ -20,8 +20,8 @@ std::string continue_32_bits(std::vector<std::string>* times);
 // begins again.
 std::string continue_sorted_32_bits(std::vector<std::string>* times);
 
-// Returns a message, with the first one, if all times are negative or more than the few that may be wrong; else an
-// empty string.
+// Returns a message that names the first negative time, if all times are negative, or more than four (a few may just be
+// wrong); else an empty string.
 std::string why_negative(const std::vector<int64_t>& utimes_us);
 
 }  // namespace rumi

@@ -11,7 +11,7 @@ namespace rumi {
 
 struct TrackedFrame {
   std::filesystem::path asked;          // the file that should say where the camera is
-  bool is_in_dataset = false;           // that file is there, or a camchain
+  bool is_in_dataset = false;           // that file, or a camchain.yaml, is there
   std::optional<SE3> tracked_from_cam;  // nullopt: the files do not say
 };
 

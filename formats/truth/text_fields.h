@@ -12,7 +12,7 @@ namespace rumi {
 std::vector<std::string> split(const std::string& line, const char* separators);
 // Reads a finite number; nullopt for any other text.
 std::optional<double> to_number(const std::string& text);
-// A coordinate above it is no position, in any unit: on the globe, in millimetres, there are some of 1e10.
+// A larger number is no coordinate in any unit: even coordinates on the globe, in millimetres, reach only about 1e10.
 inline constexpr double kLargestPosition = 1e11;
 
 }  // namespace rumi

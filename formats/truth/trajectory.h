@@ -24,8 +24,8 @@ struct TrajectoryFile {
   bool ok() const { return error.empty(); }
 };
 
-// Reads TUM format; lines that start with '#' are comments. A file without a single usable line is an error only if it
-// has lines.
+// Reads TUM format; lines that start with '#' are comments. A file without a single pose is an error only if it has
+// other lines than comments and empty ones.
 TrajectoryFile read_trajectory(const std::string& file);
 
 struct InputFrame {

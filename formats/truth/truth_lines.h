@@ -50,7 +50,7 @@ class LineReader {
 // Returns the numbers of the lines whose positions lie far from those before and behind them: there the reference
 // system was wrong for a moment.
 std::vector<int> lines_apart(const TruthTable& table, const std::vector<RawPose>& poses);
-// True if every quaternion is zero or NaN: the writer had positions only.
+// True if every quaternion is zero or no finite number (NaN): the writer had positions only.
 bool has_no_rotation(const TruthTable& table, const TruthColumns& columns);
 // True for COLMAP's images.txt: lines of ten fields that end with the name of an image; the lines between them hold its
 // points.

@@ -22,7 +22,8 @@ struct FreeStructure {
 // Returns the covariance of the twist in exp(twist) * cam_from_structure of the second view, if the first view is fixed
 // and the distance of the two is the unit of length.
 Matrix6d second_twist_covariance(const Camera& camera, const FreeStructure& structure);
-// Returns the variance of the logarithm of a baseline's length, from the covariance of one end, in the same frame.
+// Returns the variance of the logarithm of a baseline's length, from the covariance of one of its ends. Both are in the
+// same coordinate system.
 double log_length_variance(const Eigen::Vector3d& baseline, const Eigen::Matrix3d& position_covariance);
 // Returns the covariance of the camera's centre, in the submap.
 Eigen::Matrix3d position_covariance(const SE3& cam_from_submap, const Matrix6d& twist_covariance);
@@ -39,7 +40,7 @@ double log_baseline_variance(const FrontSubmap& submap, int keyframe_a, int keyf
 
 // Returns the sigmas that are published for a frame with a certainty and a reference keyframe; unknown ones without a
 // covariance. The frame's covariance takes the landmarks' keyframes as exact, so the covariance of the reference
-// keyframe is added. The first keyframes define the submap's frame and are exact.
+// keyframe is added. The first keyframes define the submap's coordinate system and are exact.
 PoseSigmas sigmas_of(const FrontSubmap& submap, const Frame& frame);
 
 // Stores the certainty of a new keyframe, which is that of its frame. Lowers the log_scale_variance of a landmark that

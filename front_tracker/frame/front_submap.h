@@ -39,8 +39,8 @@ struct FrontSubmap {
   void add_frame(const Frame& frame);
   Landmark& add_landmark(const Eigen::Vector3d& position);
   void remove_keyframe(int id, int heir);
-  // Removes the frames from `utime_us` on, and the landmarks that only the keyframes among them observe. At least one
-  // keyframe must be older.
+  // Removes the frames and keyframes from `utime_us` on, and the landmarks that fewer than two of the remaining
+  // keyframes observe. At least one keyframe must be older.
   void cut_end(int64_t utime_us);
   // Removes each landmark that most of its keyframes observe at pixels that the mask leaves out. Returns the number of
   // removed landmarks.

@@ -53,7 +53,8 @@ BundleProblem::Observation InitialStructure::observation(size_t view, size_t poi
           input_->octave_scales[features.keypoints[keypoint].octave]};
 }
 
-// Finds the frame's pose, starting from a neighbour's. Returns nullopt if fewer than half of the points agree.
+// Finds the frame's pose, starting from a neighbour's. Returns nullopt if fewer than 20, or fewer than half, of the
+// observed points agree with it.
 std::optional<SE3> InitialStructure::resect_frame(size_t frame, const SE3& neighbour) const {
   const std::vector<int> keypoints = keypoints_in(frame);
   const Features& features = *input_->frames[frame].features;

@@ -14,7 +14,7 @@
 
 namespace rumi::front_tracker {
 
-// The first structure of a submap, in the frame of its first view, scaled to a median depth of 1.
+// The first structure of a submap, in the coordinate system of its first view, scaled to a median depth of 1.
 struct InitialMap {
   struct View {
     size_t frame = 0;  // index into `frames`

@@ -85,7 +85,8 @@ void Initializer::follow() {
   references_.push_back({frames_.size() - 1, ReferenceTracks(now.features), 0, kMinMotion_px});
 }
 
-// Returns the reference since which the image moved most. Returns an Error if none is worth a try.
+// Returns the reference since which the image moved most beyond a rotation, of those worth a try. Returns an Error if
+// none is.
 Result<Initializer::Reference*> Initializer::most_promising() {
   Reference* best = nullptr;
   double most_px = 0;

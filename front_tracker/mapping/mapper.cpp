@@ -114,7 +114,7 @@ void Mapper::cull_keyframes(FrontSubmap& submap, int keyframe_id) const {
   std::vector<const Features*> features_of(map.keyframes.rbegin()->first + 1, nullptr);
   for (const auto& [id, kf] : map.keyframes) features_of[id] = kf.features.get();
   for (const auto& [id, shared] : map.covisible_keyframes(keyframe_id)) {
-    // The first keyframe defines the submap's frame; the tracker still uses the newest ones.
+    // The first keyframe defines the submap's coordinate system; the tracker still uses the newest ones.
     if (id == map.keyframes.begin()->first || id + 2 >= map.keyframes.rbegin()->first) continue;
     const Keyframe& kf = *map.keyframe(id);
     int total = 0, redundant = 0;

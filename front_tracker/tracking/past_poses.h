@@ -22,8 +22,8 @@ class PastPoses {
   // came before the submap began, in order of time.
   void fill_in(std::vector<Frame>* frames, std::vector<bool>* posed, FrontSubmap* submap) const;
 
-  // Returns the certainty of a frame whose pose does not come from its matches; an unknown one if it finds few
-  // landmarks.
+  // Returns the certainty of a frame whose pose does not come from its matches; an unknown one if too few landmarks are
+  // found in it, or they leave the pose too uncertain.
   PoseCertainty certainty_at(const Frame& posed, const FrontSubmap& submap) const;
 
  private:

@@ -143,7 +143,7 @@ bool PoseByCorners::patches_may_help(const Place& place, const Frame& frame, int
          place.motion.image_motion(place.submap.map, frame) > options_.patch_motion;
 }
 
-// Returns why the pose is not certain enough, even with support by epipolar matches; empty if it is.
+// Returns why the pose is not certain enough, even with support by epipolar matches; empty if it is certain enough.
 std::string PoseByCorners::doubt(const Place& place, Frame* frame) const {
   frame->certainty = certainty_of(place.submap.map, place.submap.octave_scales, *frame);
   frame->is_believable = frame->certainty.image_px <= options_.uncertain_px;

@@ -14,7 +14,8 @@ namespace rumi::front_tracker {
 
 // Tests whether the newest keyframes of the history contradict the pose at which `found` was found again: then tracking
 // has slipped. Takes the frames since the slip out of the submap and of the history, and returns their times,
-// ascending. Returns none if there was no slip, or if no older keyframe would be left.
+// ascending. Returns none if there was no slip, or if these frames cannot be cut off: `found` refers to one of their
+// keyframes, or no older keyframe would be left.
 std::vector<int64_t> withdraw_slip(const Relocalizer& relocalizer, const Frame& found, SupportHistory* history,
                                    FrontSubmap* submap);
 

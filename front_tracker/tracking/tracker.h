@@ -144,7 +144,8 @@ class Tracker {
   // The submaps and what adds to them.
   std::mutex map_mutex_;
   std::vector<std::unique_ptr<FrontSubmap>> submaps_;
-  size_t active_ = 0;  // index into submaps_, valid while TRACKING or RECENTLY_LOST
+  size_t active_ = 0;  // index into submaps_ of the submap that is tracked, or while (RECENTLY_)LOST was tracked last;
+                       // unused before the first submap
   KeyframePolicy keyframe_policy_;
   Mapper mapper_;
   std::vector<int> to_map_;  // new keyframes of the active submap; the mapper gets them after map_mutex_ is released

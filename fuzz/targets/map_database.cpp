@@ -99,8 +99,8 @@ std::string value_of(uint8_t kind, int16_t number, const std::string& old) {
   }
 }
 
-// Applies the 7 bytes of `change`: table, column, row, kind of the new value, and a number for it (two bytes). If the
-// lowest three bits of the last byte are set, it removes the row instead.
+// Applies the 7 bytes of `change`: table, column, row, kind of the new value, a number for it (two bytes), and a byte
+// that says whether the row is removed instead: if its lowest three bits are set.
 void apply(Database& db, View change) {
   const std::vector<std::string> tables = column(db, "SELECT name FROM sqlite_master WHERE type = 'table'");
   if (tables.empty()) return;

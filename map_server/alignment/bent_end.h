@@ -13,7 +13,8 @@ namespace rumi::map_server {
 // A range of Correspondences::keyframes.
 struct SharedRun {
   size_t first = 0, count = 0;
-  bool is_back_bent = false;  // the run leaves out an end of the back submap that lies within the front submap
+  bool is_back_bent = false;  // the run leaves out an end of the back submap that lies within the front submap, or both
+                              // ends
 };
 
 // Returns the runs of shared keyframes of a front and a back submap that remain if one end is left out as bent, the
@@ -28,7 +29,7 @@ std::vector<SharedRun> runs_beside_bent_end(const Submap& a, const Submap& b, co
 bool back_submap_holds(const Submap& a, const Submap& b, const Correspondences& common, int min_landmarks,
                        double min_ratio, double max_error_px);
 
-// Returns the correspondences in the shared keyframes of `run`.
+// Returns the shared keyframes of `run` with their landmarks, and all frames.
 Correspondences part_of(const Correspondences& common, const SharedRun& run);
 
 }  // namespace rumi::map_server

@@ -75,8 +75,8 @@ class Atlas {
   Result<> check(const PlacedMap& map, const std::vector<Link>& links) const;
   // Records what a RUMI_TRACK message says about a frame. Returns true if that is new.
   bool record_frame(ImageId image, const FrameRecord& record);
-  // Records the mask of a stream, which the caller has checked with check(). If there are too many streams, drops the
-  // oldest mask. Returns false if the atlas has the same mask, or a newer one, already.
+  // Records the mask of a stream, which the caller has checked with check(). If there are more than 64 streams, drops
+  // the oldest mask. Returns false if the atlas has the same mask, or a newer one, already.
   bool record_mask(int64_t stream, StillMask mask);
   // Notes that the session goes on now, in contrast to sessions of earlier runs.
   void note_present(int64_t session) { present_.insert(session); }

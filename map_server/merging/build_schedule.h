@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Decides which build of the map is due, and when. It does no work itself: the caller reports what there is to do and
-// how each build ended. In this table the first line that applies counts; T is the adjustment period.
+// how each build ended. In this table the first line counts that applies and whose time has come; while there is an
+// untried half, only the first line does. T is the adjustment period.
 //
 //   there is                                            due is                  when
 //   an untried half of the submaps in doubt             its scope               each interval_s; in a hurry: now

@@ -11,7 +11,7 @@ namespace rumi::map_server {
 
 struct MapPart {
   std::set<SubmapKey> submaps;
-  std::set<SubmapKey> fixed;  // submaps of the part that touch others outside it, so that they must not move
+  std::set<SubmapKey> fixed;  // submaps of the part that touch submaps outside it, and therefore must not move
 };
 
 // Returns a part with the `fresh` submaps, all members in contact with them, then the members in contact with those,

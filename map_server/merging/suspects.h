@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Chooses the submaps of a build by their revisions. When a build throws, the submaps that were new in it are in doubt.
-// Those with which a build throws even alone are left out until they change. If there are none, builds with one half of
-// the new submaps and all submaps known to build are tried, until no build throws any more.
+// Those with which a build throws even alone are left out until they change, and for at least a minute. If there are
+// none, builds with one half of the new submaps and all submaps known to build are tried, until no build throws any
+// more.
 #pragma once
 
 #include <array>

@@ -21,7 +21,7 @@ Result<> write_trajectory_tum(const Atlas& atlas, const std::string& file, int64
 // Writes submap_from_cam of all frames of the submap, in the submap's own frame of reference.
 Result<> write_submap_tum(const Submap& submap, const std::string& file);
 
-// Returns "003.txt", or "b003.txt" for a back submap. If its session is not that of the latest submap, "s<session>-"
+// Returns "003.txt", or "b003.txt" for a back submap. If its session is not the latest one of the atlas, "s<session>-"
 // precedes it.
 std::string submap_file_name(const Atlas& atlas, SubmapKey key);
 

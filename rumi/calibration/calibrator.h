@@ -46,8 +46,9 @@ struct Calibration {
   std::vector<std::string> doubts;
 };
 
-// Calibrates from the views `taken`, and checks the result with the views `spare`. It depends on these views alone. An
-// Error if the views are too few, too much alike, or fit no camera; it says what to do.
+// Calibrates from the most different views of `taken`, and checks the result with the others of `taken` and with
+// `spare`. It depends on these views alone. An Error if the views are too few, too much alike, or fit no camera; it
+// says what to do.
 Result<Calibration> calibrate(const Board& board, const std::vector<BoardView>& taken,
                               const std::vector<BoardView>& spare, cv::Size image, Camera::Model model,
                               const CalibratorOptions& options);

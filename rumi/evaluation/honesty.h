@@ -37,7 +37,7 @@ struct Honesty {
   std::string reason;  // why a share is absent; empty if none is
 };
 
-// `submaps`: the poses of each submap, sorted by time, in a frame and a unit of its own.
+// `submaps`: the poses of each submap, sorted by time, in a coordinate system and a unit of its own.
 Honesty evaluate_honesty(const std::vector<std::vector<ToldPose>>& submaps, const std::vector<TimedPose>& truth,
                          const MetricOptions& options = {});
 

@@ -54,17 +54,18 @@ struct RunMetrics {
   int frames = 0;             // all input images, also those that are not in frames.csv
   int frames_with_truth = 0;  // frames in frames.csv that have a truth
   int tracked_frames = 0;     // frames with a pose in the served map
-  // Both are absent if there are no frames.
+  // Both are absent if there are no frames; span_rate also if all frames have the same time.
   std::optional<double> tracked_frame_ratio;
   std::optional<double> span_rate;  // the paper's tracking rate: first to last pose / first to last frame
   // Frames within true_distance_m of the truth / frames that have a truth. Absent if no frame has a truth, if the map
-  // cannot be aligned, or if the whole true path is no longer than true_distance_m.
+  // has poses but cannot be aligned, or if the whole truth extends no farther than true_distance_m.
   std::optional<double> true_rate;
   std::optional<double> submap_frame_ratio;  // frames with a pose in any submap / all frames
 };
 
-// submaps: the trajectories of all submaps, each in its own frame. A pose at a time at which there is no frame does not
-// count. images: the number of input images if there were more than `frames`, because a live run had no time for some.
+// submaps: the trajectories of all submaps, each in its own coordinate system. A pose at a time at which there is no
+// frame does not count. images: the number of input images if there were more than `frames`, because a live run had no
+// time for some.
 RunMetrics evaluate_run(const std::vector<TimedPose>& map, const std::vector<std::vector<TimedPose>>& submaps,
                         const std::vector<InputFrame>& frames, const std::vector<TimedPose>& truth,
                         const MetricOptions& options = {}, int images = 0);

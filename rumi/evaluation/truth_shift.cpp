@@ -15,7 +15,8 @@ namespace {
 constexpr int kFarthest = 1000, kCoarse = 5;
 constexpr double kStepS = 0.01;
 constexpr double kClearlySmaller = 0.5;      // ATE with the shift / ATE without, at most
-constexpr double kNearlyAsGood = 1.5;        // shifts around the best one with a ratio up to this belong to its minimum
+constexpr double kNearlyAsGood = 1.5;        // error of a shift outside the minimum / error of the best one; up to this
+                                             // the best one is not clear
 constexpr double kBasin = 0.75;              // error ratio up to which shifts around the best one belong to its minimum
 constexpr double kKeepTruth = 0.7;           // share of the poses with a truth that must still have one after the shift
 constexpr int64_t kLongestStepUs = 250'000;  // between two poses of the truth that are interpolated, at most

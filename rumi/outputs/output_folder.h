@@ -12,8 +12,8 @@ namespace rumi::tool {
 // Makes the folder. One that exists must hold an earlier run, or nothing that a run would overwrite; other files are
 // left alone. An Error if the folder cannot be used.
 Result<> check_output_folder(const std::string& folder);
-// Does what check_output_folder() does, and writes an unfinished run.json: that a folder cannot be written must be
-// known before an hour of work.
+// Does what check_output_folder() does, removes the report.html of an earlier run, and writes an unfinished run.json:
+// that a folder cannot be written must be known before an hour of work.
 Result<> prepare_output_folder(const std::string& folder);
 
 // An Error if `database`, which a run only reads, is the map.db that the outputs would replace.

@@ -21,7 +21,7 @@ class LiveImage {
   void set_watched(bool watched) { watched_ = watched; }
   // Returns the time of the newest image. Absent if none has come while somebody looked.
   std::optional<int64_t> utime_us() const;
-  // Returns the newest image as a JPEG. A new one is made every kPeriodUs at most; until then the last one is returned
+  // Returns the newest image as a JPEG. A new one is made at most once in kPeriodUs; meanwhile the last one is returned
   // again. Null if there is no image or it is broken.
   std::shared_ptr<const std::string> jpeg(int64_t now_us);
 

@@ -30,7 +30,8 @@ class ColmapProgram {
   void begin_asking();
   // Asks the mapper for its help, unless the options are known. If a question is running, waits for it. If the program
   // did not start or ended with an error, it is asked again each time: that costs little, and COLMAP may have been
-  // installed meanwhile. Returns the result of the question, or a success if the options were known.
+  // installed meanwhile. Returns the result of the question; a success if the options were known; a failure after
+  // give_up().
   ChildResult ask(int nice, const std::atomic<bool>& cancel);
   // Makes this process stop using COLMAP, because it hangs or needs hardware that the machine does not have.
   void give_up(const std::string& why);
@@ -60,7 +61,7 @@ class ColmapProgram {
 
 // Returns the last line of the output that mentions an error, or else its last line, without control characters.
 std::string complaint(std::string_view output);
-// True if that line mentions CUDA or a missing GPU.
+// True if the line that complaint() returns mentions CUDA, OpenGL or a missing GPU.
 bool tells_of_gpu(std::string_view output);
 
 }  // namespace rumi::ruminator

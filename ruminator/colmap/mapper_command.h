@@ -11,7 +11,8 @@ namespace rumi::ruminator {
 // The defaults suit windows of some ten to a hundred frames: the models are as good as with COLMAP's own defaults, but
 // the mapper is several times as fast.
 struct MapperSettings {
-  double init_min_tri_angle_deg = 4;  // least median angle of the first pair's points; 16 fails in slow motion
+  double init_min_tri_angle_deg = 4;  // least median triangulation angle of the points of the first pair; with COLMAP's
+                                      // default of 16, no first pair is found if the camera moves slowly
   int init_min_num_inliers = 100;     // least number of inlier matches of the first pair
   int abs_pose_min_num_inliers = 15;  // how many points must agree with an image's pose for it to be registered
   int min_num_matches = 15;           // pairs of images with fewer matches are not used

@@ -21,8 +21,8 @@ struct FrontAgreement {
   double position_ratio = 0;
 };
 
-// Returns one entry for each front submap that has at least kMinFrontFrames of the samples, ordered by id.
-// `cam_from_model`: the model's poses by utime.
+// Returns one entry for each front submap in which at least kMinFrontFrames samples with a pose in the model were
+// tracked, ordered by id. `cam_from_model`: the model's poses by utime.
 std::vector<FrontAgreement> compare_with_front(const std::vector<Sample>& samples,
                                                const std::map<int64_t, SE3>& cam_from_model);
 

@@ -23,9 +23,8 @@ std::optional<Sim3> align_models(const Camera& camera, const std::vector<WindowI
 // triangulated again.
 SparseModel join_models(const Sim3& a_from_b, const SparseModel& a, const SparseModel& b);
 
-// Computes before_from_after from the frames of one front submap that are in both models. Returns nullopt if for each
-// submap one of the models has fewer than kMinFrontFrames of them, or disagrees with it. `utimes_us`: times of the
-// images.
+// Computes before_from_after by way of a front submap. Each model must have at least kMinFrontFrames of the frames that
+// were tracked in it, and agree with it. Returns nullopt if there is no such submap. `utimes_us`: times of the images.
 std::optional<Sim3> front_tie(const std::vector<Sample>& front, const std::vector<int64_t>& utimes_us,
                               const SparseModel& before, const SparseModel& after);
 

@@ -45,8 +45,8 @@ ModelQuality adjust_model(const Camera& camera, const std::vector<WindowImage>& 
                           const ModelRefinementOptions& options, SparseModel* model);
 
 // Triangulates a track whose images all have poses. Each pair of rays gives a candidate (in a long track only the pairs
-// of the first, the middle and the last image). Returns the candidate with which most other rays agree; nullopt if it
-// has no parallax.
+// of the first, the middle and the last image). Returns the candidate with which most rays agree; nullopt if these are
+// fewer than two, or have no parallax.
 std::optional<SparseModel::Point> triangulate_track(const Camera& camera, const std::vector<WindowImage>& images,
                                                     const Track& track, const ModelRefinementOptions& options,
                                                     const SparseModel& model);
@@ -60,12 +60,13 @@ void triangulate_tracks(const Camera& camera, const std::vector<WindowImage>& im
 // any position along its rays, so they prove nothing. Returns the number of removed images.
 int remove_loose_images(const ModelRefinementOptions& options, SparseModel* model);
 
-// The first and the last images of a model (in order of time) are held by neighbours on one side only: unless the
-// outermost kHoldingImages of an end are all `known` (front_tracker has their poses), removes its outermost 1 to
-// kMostLooseImages images, as few as suffice, if the remaining images triangulate fewer than kOpenEndFactor *
-// resection_min_inliers of the points that those see; repeats this until both ends hold. In the dark, a few wrong
-// matches among as many right ones move such an end away step by step, and images that see only points of their own can
-// have any scale. Returns the number of removed images; adjust_model() must be called after it.
+// Removes loose images from the ends of a model: the first and the last images in time have neighbours on one side
+// only. In the dark, a few wrong matches among as many right ones move such an end away step by step, and images that
+// see only points of their own can have any scale. An end holds if front_tracker has the poses (`known`) of its
+// outermost kHoldingImages images. Otherwise, groups of its outermost 1, 2, ... kMostLooseImages images are tested. A
+// group is removed if the other images triangulate fewer than kOpenEndFactor * resection_min_inliers of the points that
+// it sees. This is repeated until both ends hold. Returns the number of removed images; adjust_model() must be called
+// after it.
 constexpr int kOpenEndFactor = 2;
 constexpr int kHoldingImages = 3;
 constexpr int kMostLooseImages = 3;

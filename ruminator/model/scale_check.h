@@ -37,7 +37,7 @@ std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<Window
 // True if the points across the cut determine the scale well enough without front_tracker's poses.
 bool is_certain(const ScaleCut& cut);
 
-// Returns the cut with the largest certain change of the scale; nullopt if no change exceeds `max_change`.
+// Returns the cut with the largest significant change of the scale; nullopt if no such change exceeds `max_change`.
 std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, double max_change = kMaxScaleChange);
 
 // Returns the break with fewest points, and among equal ones that with fewest tracks; nullopt if there is no break.

@@ -25,7 +25,7 @@ class Announcer {
   void announce(QueueEntry& entry, const std::string& note = {});
   // Announces a state that no entry has: PUBLISHED or FAILED.
   void publish(const QueueEntry& entry, int8_t state, const std::string& reason);
-  // Announces again, once a second each, the windows that this process is still working on.
+  // Announces each window again once a second, except those that are left for the next start.
   void repeat(std::list<QueueEntry>& entries, int64_t now_us);
 
  private:

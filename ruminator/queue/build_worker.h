@@ -48,6 +48,7 @@ class BuildWorker {
   // no estimate of the remaining time, because that would depend on the load of the machine, and replays must be
   // repeatable.
   std::optional<BuildProgress> take_progress();
+  // Returns the report when the build has ended, and nullopt until then.
   std::optional<BuildReport> take_report();
   void cancel() { cancel_ = true; }
 

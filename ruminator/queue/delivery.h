@@ -32,7 +32,8 @@ class Delivery {
   void tick(int64_t now_us) { sender_.tick(now_us); }
   // Sends the next submap that is due, unless one is being sent already.
   void send_next(int64_t now_us);
-  // From now on sends each submap at once, and only once. If the last attempt failed, leaves them in the spool.
+  // From now on sends each submap at once, and only once. If the last attempt failed, sends no more: submaps in the
+  // spool wait for the next start, and those in memory are lost.
   void finish();
 
   int published() const { return published_; }             // back submaps that map_server has acknowledged

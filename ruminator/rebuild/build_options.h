@@ -34,7 +34,7 @@ struct BuildOptions {
   double scale_max_change = kMaxScaleChange;
   double tear_max_severed = kMaxSevered;
   double min_parallax_px = 2;  // largest parallax of an image pair must reach it; otherwise the camera has only turned
-  double max_rmse_px = 1.5;    // largest reprojection error of a credible model
+  double max_rmse_px = 1.5;    // largest RMS reprojection error of a credible model
   double max_pair_rotation_deg = 3;       // largest median difference to the relative rotations of image pairs
   double max_rival_position_ratio = 0.1;  // largest FrontAgreement::position_ratio of a rival of the global model
 };

@@ -23,7 +23,8 @@ class ModelCompletion {
   WindowModel complete(SparseModel model, std::string origin) const;
   // Returns the candidate with the images `kept` only, adjusted.
   WindowModel reduced(WindowModel candidate, const std::set<int>& kept) const;
-  // Joins any two models that have enough points in common, if the result has more images than each.
+  // Joins every two models that have enough points in common. Returns the results that have more images than each of
+  // their two models.
   std::vector<SparseModel> joined(const std::vector<SparseModel>& models) const;
 
  private:

@@ -296,7 +296,8 @@ WindowModelResult attempt(const WindowModelInput& input, const BuildOptions& opt
   return attempts.result;
 }
 
-// True if images were broken off, and the model has too few of the images that front_tracker has poses of.
+// True if images were broken off the model, and what is left has too few images of any front submap to compare it,
+// though a front submap has enough poses in the window.
 bool is_adrift(const WindowModelInput& input, const WindowModelResult& result) {
   if (input.by_place || !result.best || result.best->broken_off == 0 || !result.best->agreement.empty()) return false;
   std::map<int32_t, size_t> known;

@@ -32,7 +32,7 @@ class FrameRing {
   void settle(const ImageId& image, const Needed& needed);
   // Removes all settled images that are not needed.
   void sweep(const Needed& needed);
-  // Keeps only the newest `count` images that are not settled; counts the others as dropped.
+  // Keeps the settled images and the newest `count` others. Removes the rest and counts them as dropped.
   void limit_unsettled(int count);
 
   int64_t bytes() const { return bytes_; }

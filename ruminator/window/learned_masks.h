@@ -16,7 +16,8 @@ namespace rumi::ruminator {
 
 class LearnedMasks {
  public:
-  // Keeps the newest mask of each stream. Returns false if the message is malformed.
+  // Keeps the newest mask of each stream; if there are more than eight streams, forgets one of the oldest session.
+  // Returns false if the message is malformed.
   bool take(const mask_t& message);
   // Adds the mask of this stream to the masks in the metadata of the images.
   void put_on(std::vector<image_t>* images, int64_t stream) const;

@@ -27,6 +27,7 @@
 //   gap        a frame without a pose                            gap
 //              a frame with a pose                               departure
 //                ... that leaves no gap and connects no submaps  watching: the window is dropped
+//                ... that has enough samples, with late poses    complete, watching
 //   departure  a frame of the same submap                        departure; with enough samples: complete, watching
 //              a frame of another submap                         watching: the window ends
 //              a frame without a pose, if the submap died young  gap: the same window

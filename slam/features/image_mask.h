@@ -24,7 +24,8 @@ class ImageMask {
 
   // Returns the mask for an image of another size. A pixel is left out if this mask leaves out any part of it.
   ImageMask resized(const cv::Size& size) const;
-  // Returns the pixels that both masks show. The masks must have the same size, or show everything.
+  // Returns the mask that shows the pixels that both masks show. They must have the same size, unless one of them
+  // leaves out nothing.
   ImageMask and_also(const ImageMask& other) const;
 
  private:

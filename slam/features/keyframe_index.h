@@ -52,7 +52,7 @@ class KeyframeIndex {
     uint32_t next;
   };
   struct Chain {
-    uint32_t first = kNoBlock;  // the only block that may not be full
+    uint32_t first = kNoBlock;  // all blocks behind the first one are full
     uint32_t count = 0;         // number of entries
   };
   uint16_t hash(const Descriptor& d, int table) const;

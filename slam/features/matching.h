@@ -37,7 +37,8 @@ struct Match {
   int distance = 0;
 };
 
-// Returns the mutually best matches of the selected features (of all if a selection is empty), in order of `first`.
+// Returns the mutually best matches of the selected features, in the order of the first selection. An empty selection
+// stands for all features.
 std::vector<Match> match_features(const Features& first, const std::vector<int>& first_selection,
                                   const Features& second, const std::vector<int>& second_selection,
                                   const MatchOptions& options);

@@ -38,8 +38,8 @@ class OrbExtractor {
   std::vector<cv::KeyPoint> find_corners(const cv::Mat& image, int octave, int wanted);
   std::vector<cv::KeyPoint> detect(const ImagePyramid& pyramid, int octave, int wanted);
   OrbOptions options_;
-  // By level: true if the last image had few clear corners, as the next one probably has. That saves time and does not
-  // change the result.
+  // By level: true if the last image had few clear corners. Then the next one probably has few, too, and is searched
+  // for faint ones at once, which saves time and does not change the result.
   std::vector<bool> lacks_clear_;
   cv::Ptr<cv::ORB> describer_;
 };

@@ -10,7 +10,7 @@
 
 namespace rumi {
 
-// Where to look for a patch: a pixel of the full image, right to a few pixels of the level. The level must exist.
+// Where to look for a patch: a pixel of the full image, wrong by at most 2 pixels of the level. The level must exist.
 struct PatchPlace {
   const ImagePyramid& images;
   Eigen::Vector2f pixel;

@@ -24,8 +24,8 @@ RadialDistortion of_angle(const Camera& c) { return {c.k1, c.k2, c.k3, c.k4}; }
 constexpr double kWidestAngle_rad = 89.0 * M_PI / 180.0;
 constexpr double kSteepestSlope = 1e4;  // x/z or y/z: no lens with an invertible distortion sees farther aside
 
-// Returns the angle that the lens distorts into `distorted` (radians), by Newton's method. Returns NaN if the
-// distortion cannot be inverted there.
+// Returns the angle that the lens distorts into `distorted` (radians), by Newton's method. If the distortion cannot be
+// inverted there, the result is arbitrary, and may be NaN or infinite.
 double undistort_angle(const Camera& c, double distorted) {
   const RadialDistortion lens = of_angle(c);
   double theta = distorted;

@@ -22,12 +22,13 @@ class Camera {
   int height = 0;                                         // pixels
   double fx = 0, fy = 0, cx = 0, cy = 0;                  // pixels
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0, k4 = 0;  // k4: fisheye only; p1 p2: pinhole only
-  double fps = 0;                                         // nominal, 0 = unknown
+  double fps = 0;                                         // nominal images per second; 0: unknown
 
   // Returns the pixel of a point in the camera's frame, or nullopt if it is behind the camera (z <= 0).
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_cam) const;
   // Returns the ray (x/z, y/z, 1) of a pixel, with distortion removed by iteration (error < 1e-9 for ordinary lenses).
-  // If the distortion cannot be inverted at this pixel, it is left in.
+  // If the iteration diverges at this pixel, the distortion is left in. A fisheye's ray at more than 89 degrees from
+  // the axis is pulled in to that angle.
   Eigen::Vector3d unproject(const Eigen::Vector2d& pixel) const;
   // Returns the pixel without distortion: (fx x/z + cx, fy y/z + cy).
   Eigen::Vector2d undistort(const Eigen::Vector2d& pixel) const;

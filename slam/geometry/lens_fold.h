@@ -10,7 +10,7 @@ namespace rumi {
 
 // Returns the distance from the principal point, in units of the focal length, beyond which the radial distortion folds
 // the image. It is infinite if there is no fold within 89 degrees of the axis. A fisheye is examined only within 60
-// degrees, because its image may be a circle.
+// degrees, because its image may be a circle, and nothing is seen outside it.
 double fold_radius(const Camera& camera);
 
 // True if the pixel lies beyond the fold.

@@ -8,9 +8,10 @@
 
 namespace rumi {
 
-// Improves second_from_first, whose translation has unit length and keeps it, on pairs of rays (x/z, y/z, 1). It takes
-// robust Levenberg-Marquardt steps on Sampson's distance to the epipolar constraint (Hartley and Zisserman, section
-// 11.4.3). `sigma` is the standard deviation of a ray's x and y. The pose stays unchanged if no better one is found.
+// Fits second_from_first better to pairs of rays, given as (x/z, y/z). Its translation must have unit length, and keeps
+// it. The function takes robust Levenberg-Marquardt steps on Sampson's distance to the epipolar constraint (Hartley and
+// Zisserman, section 11.4.3). `sigma` is the standard deviation of a ray's x and y. The pose stays unchanged if no
+// better one is found.
 void refine_relative_pose(const std::vector<Eigen::Vector2d>& first, const std::vector<Eigen::Vector2d>& second,
                           double sigma, SE3* second_from_first);
 

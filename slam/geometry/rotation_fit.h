@@ -14,7 +14,7 @@ struct RotationFit {
 
 // Returns the rotation that turns the rays a into the rays b (pairs; any lengths) with the least sum of absolute
 // angles. It is Kabsch's solution, iteratively reweighted, so that up to a third of wrong pairs hardly change it.
-// Returns nullopt for fewer than three pairs.
+// Returns nullopt for fewer than three pairs, different counts, or rays that are not finite.
 std::optional<RotationFit> fit_rotation(std::vector<Eigen::Vector3d> a, std::vector<Eigen::Vector3d> b);
 
 }  // namespace rumi

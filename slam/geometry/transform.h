@@ -71,7 +71,7 @@ struct Sim3 {
   Vector7d minus(const Sim3& from, const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) const;
 };
 
-// Returns target_from_source with the given scale, from the poses of one camera in both frames.
+// Returns target_from_source with the given scale, from the poses of one camera in both coordinate systems.
 inline Sim3 similarity_through(const SE3& cam_from_source, const SE3& cam_from_target, double scale) {
   const Eigen::Quaterniond rotation = cam_from_target.rotation.conjugate() * cam_from_source.rotation;
   return {scale, rotation, cam_from_target.center() - scale * (rotation * cam_from_source.center())};

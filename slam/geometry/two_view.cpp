@@ -111,7 +111,7 @@ void keep_different(std::vector<TwoViewHypothesis>* hypotheses) {
   *hypotheses = std::move(kept);
 }
 
-// Returns at most kMost pairs, evenly picked: minimal samples need no more.
+// Returns at most kMost points, evenly picked (the same ones from both views): minimal samples need no more.
 std::vector<cv::Point2d> sample(const std::vector<cv::Point2d>& points) {
   constexpr size_t kMost = 400;
   if (points.size() <= kMost) return points;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Finds the relative pose and the structure of two views. It tries an essential matrix, which a planar scene misleads,
 // and a homography, which any other scene misleads. It refines each pose that either allows, and judges it by the
-// points that it can triangulate. It refuses if the parallax is too small. Two views of a plane often allow two poses:
-// then it returns both.
+// points that it can triangulate. It refuses if too few points fit or the parallax is too small. Two views of a plane
+// often allow two poses: then it returns both.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +19,7 @@ struct TwoViewOptions {
   int min_points = 60;        // points that a pose must triangulate, at least
   double max_error_px = 2.0;  // largest reprojection error of an inlier
   double min_median_parallax_deg = 1.0;
-  double max_rival_ratio = 0.75;  // share of the best pose's points with which another pose is returned too
+  double max_rival_ratio = 0.75;  // points of another pose / points of the best pose, from which on it is returned too
 };
 
 struct TwoViewHypothesis {

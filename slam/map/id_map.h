@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A map from ids, which are given one after another, to values. It is used like std::map<int, T>, in order of id and
-// with stable addresses, but finds a value in constant time. Ids are stored in leaves of 64. An erased id costs a
-// pointer as long as its leaf has another id.
+// A map from ids, which are handed out in ascending order, to values. It is used like std::map<int, T>, in order of id
+// and with stable addresses, but finds a value in constant time. Values are kept in leaves of 64 ids; the slot of an
+// erased id (one pointer) is freed only when its leaf holds no other id.
 #pragma once
 
 #include <array>

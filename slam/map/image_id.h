@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Identifies an image by time and stream. Time alone is ambiguous: in each folder of images, the times begin at 0.
+// Identifies an image by time and stream. Time alone is ambiguous: in every folder of images without times, the times
+// begin at 0.
 #pragma once
 
 #include <compare>

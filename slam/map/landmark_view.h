@@ -8,7 +8,8 @@
 namespace rumi {
 
 // Recomputes what a landmark derives from its observations: viewing direction, information and octave0_distance. If it
-// is not described yet, chooses its descriptor too: the observed one with the least median distance to the others.
+// is not described yet, chooses its descriptor too: of those observed latest, the one with the least median distance to
+// the others.
 void update_landmark_view(const Submap& submap, Landmark* landmark);
 
 // Returns the octave at which a landmark should appear from this distance, clamped to the pyramid (Pyramid::scales()).

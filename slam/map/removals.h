@@ -19,7 +19,7 @@ class Removals {
   void add(int id, int64_t revision);
   // Forgets the removals of all revisions up to and including `revision`.
   void forget(int64_t revision);
-  // Returns the ids removed after `revision`, ascending, each once; nullopt if some of them have been forgotten.
+  // Returns the ids removed after `revision`, ascending, each once; nullopt if some of them may have been forgotten.
   std::optional<std::vector<int>> since(int64_t revision) const;
 
  private:

@@ -39,7 +39,7 @@ struct Keyframe {
   std::shared_ptr<const Features> features;
   std::vector<int> landmark_ids;  // by keypoint; kNone if it observes no landmark
   int64_t revision = 0;           // the submap's revision when this keyframe last changed
-  int64_t created_revision = 0;
+  int64_t created_revision = 0;   // the submap's revision when it was added, or its features last changed
 };
 
 struct Observation {
@@ -126,7 +126,7 @@ class Submap {
   // move_keyframe() and move_landmark() do nothing if the id does not exist.
   void move_keyframe(int id, const SE3& cam_from_submap);
   void move_landmark(int id, const Eigen::Vector3d& position);
-  // Says that the keyframe's features have changed, so that the next update sends them again.
+  // Says that the keyframe's features have changed, so that the next update sends them again. The keyframe must exist.
   void renew_features(int keyframe_id);
 
   // Adds both directions of an observation, and replaces what the keypoint observed before. Returns false, and changes
@@ -141,7 +141,8 @@ class Submap {
   // next.
   void remove_frames_from(int64_t utime_us);
 
-  // Gives the observations of `from` to `into`, unless their keyframe observes `into` already. Removes `from`.
+  // Gives each observation of `from` to `into`, unless its keyframe observes `into` already, and removes `from`. Does
+  // nothing if one of the two does not exist.
   void fuse_landmarks(int into, int from);
 
   // Returns nullptr if the frame has no pose in this submap.

@@ -39,7 +39,8 @@ struct BundleOptions {
 };
 
 struct BundleReport {
-  bool usable = false;  // false: no view is free, or a point is behind a camera that sees it; the problem is unchanged
+  bool usable = false;  // false: no view that observes a point is free, or a point is behind a camera that observes it;
+                        // the problem is unchanged
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;
 };

@@ -21,7 +21,7 @@ struct GraduatedOptions {
 struct GraduatedReport {
   Sim3GraphReport solved;          // solution without the wrong groups; edge_chi2 has all edges, also those of wrong
                                    // groups
-  std::vector<double> group_chi2;  // by group: median of its edges' chi2
+  std::vector<double> group_chi2;  // by group: median of its edges' chi2; 0 if the graph cannot be solved
   std::vector<bool> is_wrong;      // by group
 };
 

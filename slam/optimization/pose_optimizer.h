@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Finds a camera's pose from known landmarks, and from epipolar matches of points that are not landmarks yet, by robust
-// Gauss-Newton steps on the reprojection error and on Sampson's distance (Hartley and Zisserman, section 11.4.3).
-// Inliers are chosen again after each round. It does not use Ceres, because it runs several times per frame (0.1 ms for
-// 300 points).
+// Levenberg-Marquardt steps on the reprojection error and on Sampson's distance (Hartley and Zisserman, section
+// 11.4.3). Inliers are chosen again after each round. It does not use Ceres, because it runs several times per frame
+// (0.1 ms for 300 points).
 #pragma once
 
 #include <Eigen/Core>
@@ -35,7 +35,7 @@ struct EpipolarView {
 };
 
 struct PoseOptimizerOptions {
-  int rounds = 4;              // rounds; inliers are chosen again after each
+  int rounds = 4;              // rounds, at most: if a round does not change the inliers, the last one follows
   int iterations = 10;         // iterations in each round, at most
   double inlier_chi2 = 5.991;  // largest squared error of an inlier, in sigma^2: 95 % of a 2-D normal distribution
   // Observations with a larger squared error (in sigma^2) at the initial pose are left out of the first round. To be
@@ -48,7 +48,8 @@ struct PoseResult {
   std::vector<bool> inlier;  // by observation
   int inliers = 0;
   double rmse_px = 0;      // root mean square error of the inliers, in units of their sigma
-  bool converged = false;  // false: fewer than 6 inliers, or a singular system; then the pose is the last good one
+  bool converged = false;  // false: fewer than 6 inliers, or a singular system; then the pose is that of the last round
+                           // that was done, or the initial one
 };
 
 // The matches of `views` take part in every round and are not counted as inliers. A match whose error is within 95 % of

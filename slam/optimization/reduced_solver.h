@@ -14,7 +14,8 @@ class ReducedSolver {
  public:
   static constexpr int kSmall = 60;  // blocks; a system up to this size is factored each time
 
-  // Returns false if the system is not positive definite or not finite.
+  // Returns false if the system cannot be solved: it is not positive definite, not finite, or the conjugate gradients
+  // do not converge.
   bool solve(const BlockMatrix& matrix, const Eigen::VectorXd& right, Eigen::VectorXd* solution);
 
  private:

@@ -48,7 +48,7 @@ class SubmapCopies {
   // Requests what is missing or has changed. A placed submap is always sent whole, so it is requested only
   // `whole_pause_us` after the last request.
   void request_missing(int64_t now_us, int64_t whole_pause_us);
-  // True if the copies of all submaps of the last status are up to date.
+  // True if the copies of all submaps that map_server has reported are up to date.
   bool complete() const;
 
   const std::map<SubmapKey, Copy>& by_key() const { return copies_; }

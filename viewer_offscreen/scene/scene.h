@@ -20,7 +20,7 @@ namespace rumi::viewer_offscreen {
 struct TrajectoryPoint {
   int64_t utime_us = 0;
   Eigen::Vector3d position;
-  bool after_loss = false;  // frames between the point before and this one have no pose
+  bool after_loss = false;  // true if frames between the point before and this one have no pose
 };
 
 struct KeyframeView {
@@ -32,7 +32,7 @@ struct SubmapView {
   SubmapKey key;
   SubmapKind kind = SubmapKind::kFront;
   int color = 0;        // see submap_color()
-  bool placed = false;  // true: it lies in the map's frame; false: it has its own gauge and is shown apart
+  bool placed = false;  // true: it lies in the map; false: it has a unit and axes of its own, and is shown apart
   int64_t frames = 0, keyframes = 0, landmark_count = 0;
   std::vector<TrajectoryPoint> trajectory;  // in order of time
   std::vector<Eigen::Vector3f> landmarks;

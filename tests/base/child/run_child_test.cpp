@@ -220,7 +220,8 @@ TEST_F(RunChildTest, ItsEnvironmentSaysHowManyThreads) {
 }
 
 TEST_F(RunChildTest, OurDescriptorsStayOurs) {
-  const int ours = fcntl(STDERR_FILENO, F_DUPFD, 100);  // not close-on-exec, like LCM's
+  // The descriptor is not close-on-exec: children would inherit it, as they would LCM's sockets.
+  const int ours = fcntl(STDERR_FILENO, F_DUPFD, 100);
   ASSERT_GE(ours, 100);
   const std::string probe = "test -e /proc/$$/fd/" + std::to_string(ours);
   ASSERT_EQ(system(("sh -c '" + probe + "'").c_str()), 0);

@@ -65,7 +65,7 @@ TEST(Certainty, WhatIsToldAddsWhatWasKnownOfTheKeyframe) {
   };
   expect(std::sqrt(3), std::sqrt(0.06));
   frame.reference_keyframe = 3;
-  expect(std::sqrt(3), std::sqrt(0.06));  // one of the first keyframes: it defines the submap's frame
+  expect(std::sqrt(3), std::sqrt(0.06));  // one of the first keyframes: it defines the submap's coordinate system
   PoseCertainty of_keyframe;
   of_keyframe.twist_covariance.diagonal() << 3, 3, 3, 0.03, 0.03, 0.03;
   note_certainty(3, of_keyframe, &submap);

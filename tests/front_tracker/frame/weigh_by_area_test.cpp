@@ -20,7 +20,8 @@ std::vector<PointObservation> see(SyntheticScene& scene, const SE3& pose, const 
   return observations;
 }
 
-// Returns points on the side of a lorry: a fifth of the image's width and height, 4 m away.
+// Returns points of the lettering on the side of a lorry, 4 m away; it covers about a sixth of the image's width and of
+// its height.
 std::vector<Eigen::Vector3d> lettering(SyntheticScene& scene, int count) {
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < count; ++i) points.emplace_back(scene.uniform(-0.4, 0.4), scene.uniform(-0.3, 0.3), 4.0);

@@ -76,7 +76,8 @@ class BoardScene {
   }
 
   // Returns poses of a board that somebody holds at many places of the image, near and far, turned to all sides.
-  // `margin`: distance of its middle from the image's edges, as a part of the image.
+  // `nearest_degrees`: the angle that the diagonal spans (see pose()) where the board is nearest. `margin`: least
+  // distance of the board's middle from the image's edges, as a share of the image's width and height.
   std::vector<BoardPose> varied_poses(int count, double nearest_degrees, double margin = 0.15) const {
     std::mt19937 random(7);
     const auto between = [&random](double low, double high) {

@@ -30,7 +30,8 @@ struct Overlap {
   Sim3RefinementProblem problem;
 };
 
-// Makes an overlap in which A has the scene's frame, and B is turned, moved and scaled with its origin far away.
+// Makes an overlap: A has the scene's frame of reference; that of B is turned, scaled and shifted, so that its origin
+// lies far away.
 Overlap make_overlap(unsigned seed, const Setting& setting = {}) {
   SyntheticScene scene(seed);
   Overlap o;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Plays the program behind v4l2loopback's virtual camera, such as OBS or ffmpeg. The camera exists while the object
-// lives, and its images are those that the object writes.
+// Plays the part of a program, such as OBS or ffmpeg, that feeds v4l2loopback's virtual camera. The camera exists while
+// the object lives, and shows the images that are given to write().
 #pragma once
 
 #include <fcntl.h>
