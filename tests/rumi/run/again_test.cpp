@@ -28,10 +28,10 @@ class FindIslands : public ::testing::Test {
     testing::update_atlas(&atlas_, outside_);
     testing::place_map(&atlas_, {{in_map_.key, testing::make_placement(in_map_, 1)}});
     for (const int64_t utime_us : {100'000, 200'000, 300'000, 4'000'000, 4'100'000})
-      atlas_.record_frame({utime_us, kNoStream}, {.session = kSession, .state = TrackingState::kLost});
+      atlas_.record_frame({utime_us, 0}, {.session = kSession, .state = TrackingState::kLost});
     for (const Submap* submap : {&in_map_, &outside_})
       for (const auto& [utime_us, frame] : submap->frames)
-        atlas_.record_frame({utime_us, kNoStream},
+        atlas_.record_frame({utime_us, 0},
                             {.session = kSession, .state = TrackingState::kTracking, .submap_id = submap->key.id});
   }
   std::set<int64_t> utimes_of(const Islands& islands, int island) const {
@@ -47,7 +47,7 @@ class FindIslands : public ::testing::Test {
 };
 
 TEST_F(FindIslands, AreSubmapsOutsideTheMapAndRowsOfFramesWithoutPoses) {
-  const Islands islands = find_islands(atlas_, kSession, kNoStream);
+  const Islands islands = find_islands(atlas_, kSession, 0);
   ASSERT_EQ(islands.all.size(), 3u);
   EXPECT_EQ(islands.frames, static_cast<int64_t>(5 + outside_.frames.size()));
   EXPECT_THAT(utimes_of(islands, 0), ElementsAre(100'000, 200'000, 300'000));
@@ -62,18 +62,18 @@ TEST_F(FindIslands, OfTheMapKeyframesAreCandidates) {
   std::set<int64_t> keyframes;
   for (const auto& [id, keyframe] : in_map_.keyframes)
     if (in_map_.frame(keyframe.utime_us)) keyframes.insert(keyframe.utime_us);
-  EXPECT_EQ(utimes_of(find_islands(atlas_, kSession, kNoStream), PlaceCandidate::kInMap), keyframes);
+  EXPECT_EQ(utimes_of(find_islands(atlas_, kSession, 0), PlaceCandidate::kInMap), keyframes);
 }
 
 TEST_F(FindIslands, SamplesOfFrontSubmapsHaveTheirPoses) {
-  for (const PlaceCandidate& c : find_islands(atlas_, kSession, kNoStream).candidates) {
+  for (const PlaceCandidate& c : find_islands(atlas_, kSession, 0).candidates) {
     const int64_t t = c.sample.utime_us;
     EXPECT_EQ(c.sample.submap_id, in_map_.frame(t) ? 1 : outside_.frame(t) ? 2 : kNoSubmap) << t;
   }
 }
 
 TEST_F(FindIslands, OtherSessionsAndStreamsAreNotLookedAt) {
-  EXPECT_THAT(find_islands(atlas_, kSession + 1, kNoStream).all, IsEmpty());
+  EXPECT_THAT(find_islands(atlas_, kSession + 1, 0).all, IsEmpty());
   EXPECT_THAT(find_islands(atlas_, kSession, 5).all, IsEmpty());
 }
 
