@@ -54,6 +54,7 @@ std::vector<size_t> wanted_of_map(const std::vector<PlaceCandidate>& candidates,
   std::map<size_t, double> wanted;
   for (const size_t image : images) {
     std::vector<std::pair<double, size_t>> ranked;
+    ranked.reserve(map.size());
     for (const size_t m : map) ranked.emplace_back(-similarity(image, m), m);
     std::sort(ranked.begin(), ranked.end());
     for (size_t k = 0; k < std::min(kLookAlike, ranked.size()); ++k)
@@ -62,12 +63,11 @@ std::vector<size_t> wanted_of_map(const std::vector<PlaceCandidate>& candidates,
     if (behind != map.end()) wanted[*behind] += similarity(image, *behind);
     if (behind != map.begin()) wanted[*std::prev(behind)] += similarity(image, *std::prev(behind));
   }
-  std::vector<std::pair<double, size_t>> order;
-  for (const auto& [m, value] : wanted) order.emplace_back(-value, m);
-  std::sort(order.begin(), order.end());
-  std::vector<size_t> result;
-  for (const auto& [value, m] : order) result.push_back(m);
-  return result;
+  std::vector<size_t> order;
+  order.reserve(wanted.size());
+  for (const auto& [m, value] : wanted) order.push_back(m);
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return wanted.at(a) > wanted.at(b); });
+  return order;
 }
 
 }  // namespace

@@ -55,10 +55,12 @@ double extent(const std::vector<PosePair>& poses) {
   Eigen::Vector3d middle;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
+    values.reserve(poses.size());
     for (const PosePair& p : poses) values.push_back(p.cam_from_b.center()[axis]);
     middle[axis] = median(&values);
   }
   std::vector<double> distances;
+  distances.reserve(poses.size());
   for (const PosePair& p : poses) distances.push_back((p.cam_from_b.center() - middle).norm());
   return median(&distances);
 }
