@@ -93,12 +93,20 @@ Islands find_islands(const Atlas& atlas, int64_t session, int64_t stream) {
   return result;
 }
 
+Islands Again::look() const {
+  return find_islands(system_.atlas, system_.ruminator.session(), system_.ruminator.stream());
+}
+
 void Again::run(int64_t most_images) {
   images_left_ = most_images;
+  const auto is_whole = [this](const Islands& islands) {
+    return static_cast<double>(islands.frames) < kLeastShare * static_cast<double>(system_.atlas.frames().size());
+  };
+  // A map that is whole already is not touched: to settle it means to adjust it once more.
+  if (is_whole(look())) return;
   system_.settle();
-  const Islands islands = find_islands(system_.atlas, system_.ruminator.session(), system_.ruminator.stream());
-  const auto all = static_cast<double>(system_.atlas.frames().size());
-  if (static_cast<double>(islands.frames) < kLeastShare * all) return;
+  const Islands islands = look();
+  if (is_whole(islands)) return;
   index(islands);
   for (int number = 2; !is_over() && round(number); ++number) continue;
 }
@@ -172,7 +180,7 @@ bool Again::round(int number) {
   tried_.clear();
   size_t windows = 0;
   while (!is_over()) {
-    const Islands islands = find_islands(system_.atlas, system_.ruminator.session(), system_.ruminator.stream());
+    const Islands islands = look();
     const PlaceWindow window = next_window(islands);
     if (window.candidates.empty()) break;
     const int64_t in_map = system_.atlas.frames_in_map();

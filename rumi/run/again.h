@@ -43,6 +43,7 @@ class Again {
 
  private:
   bool round(int number);
+  Islands look() const;
   void index(const Islands& islands);
   ruminator::PlaceWindow next_window(const Islands& islands);
   void rebuild(const ruminator::PlaceWindow& window);
