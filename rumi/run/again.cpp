@@ -189,6 +189,7 @@ bool Again::round(int number) {
              window.islands.size(), islands.all.size(), window.candidates.size(),
              system_.atlas.frames_in_map() - in_map);
   }
+  if (windows == 0) return false;
   const int64_t won = system_.atlas.frames_in_map() - before;
   log_info("round {}: {} windows, {} frames won, {:.0f} s CPU", number, windows, won, process_cpu_s() - begin_s);
   return won > 0;

@@ -52,6 +52,7 @@ window_t to_message(const RuminationWindow& window, int64_t utime_us, int8_t sta
 }
 
 std::string describe(const RuminationWindow& window) {
+  if (window.by_place) return fmt::format("{} images that look alike", window.gap.size());
   return fmt::format("{} + {} of {} + {} frames between {} and {} ({} + {} keyframes)", window.approach.size(),
                      window.gap.size(), window.gap_frames, window.departure.size(), name_of(window.submap_before),
                      name_of(window.submap_after), keyframes(window.approach), keyframes(window.departure));

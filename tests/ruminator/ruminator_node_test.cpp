@@ -8,6 +8,7 @@
 #include <random>
 
 #include "bus/wire/image_masks.h"
+#include "ruminator/window/window_message.h"
 #include "tests/ruminator/ruminator_node_fixture.h"
 
 namespace rumi::ruminator {
@@ -312,6 +313,7 @@ TEST_F(RuminatorNodeTest, ImagesAreRebuiltAgainAsAWindowByPlace) {
   EXPECT_EQ(again.gap.size(), samples.size());
   EXPECT_EQ(again.samples().size(), samples.size());
   expect_images_of(jobs_[1]);
+  EXPECT_EQ(describe(again), "11 images that look alike");
   ASSERT_FALSE(announced_.empty());
   EXPECT_NE(announced_.back().by_place, 0);
 }
