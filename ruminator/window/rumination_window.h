@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A rumination window: frames that are rebuilt together. A window by time has the frames around a tracking loss, S = S1 +
-// S2 + S3 in the paper, section IV.B. A window by place (ruminator/again) has frames that look alike, all in `gap`.
+// A rumination window: frames that are rebuilt together. A window by time has the frames around a tracking loss, which
+// are S = S1 + S2 + S3 in the paper, section IV.B. A window by place (ruminator/again) has frames that look alike, all
+// in `gap`.
 #pragma once
 
 #include <cstdint>
