@@ -29,8 +29,8 @@ struct RuminationWindow {
   int64_t resumed_utime_us = 0;                  // 0 while tracking is lost
   std::vector<Sample> approach, gap, departure;  // S1, S2, S3, each in order of time
   bool by_place = false;
-  int gap_frames = 0;                            // all frames of the gap, also those thinned out or without an image
-  std::string reason;                            // why the window ended before it was complete; may be empty
+  int gap_frames = 0;  // all frames of the gap, also those thinned out or without an image
+  std::string reason;  // why the window ended before it was complete; may be empty
 
   // Returns all samples, in order of time.
   std::vector<Sample> samples() const {
