@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <stdexcept>
 
 #include "base/or_throw.h"
 #include "base/running/log.h"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "formats/camera/given_camera.h"
 
-#include <stdexcept>
-
 #include "base/or_throw.h"
 #include "formats/camera/camera_file.h"
 

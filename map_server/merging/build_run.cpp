@@ -2,7 +2,6 @@
 #include "map_server/merging/build_run.h"
 
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 #include "base/or_throw.h"

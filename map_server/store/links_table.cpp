@@ -2,7 +2,6 @@
 #include "map_server/store/links_table.h"
 
 #include <span>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 

@@ -16,9 +16,9 @@ namespace {
 
 using map_server::Atlas;
 using map_server::AtlasSubmap;
-using ruminator::PlaceCandidate;
 using ruminator::PlaceWindow;
 using ruminator::Sample;
+using ruminator::WindowCandidate;
 
 constexpr size_t kMostCandidates = 300;  // of the islands, and as many of the map
 constexpr double kLeastShare = 0.01;     // of the frames: a map that lacks fewer is whole
@@ -55,7 +55,7 @@ Sample sample_of(int64_t utime_us, const AtlasSubmap* owner) {
 Islands find_islands(const Atlas& atlas, int64_t session, int64_t stream) {
   Islands result;
   std::map<SubmapKey, int> id_of;  // of the islands that are submaps
-  std::vector<PlaceCandidate> of_islands, of_map;
+  std::vector<WindowCandidate> of_islands, of_map;
   const std::set<int64_t> keyframes = keyframes_in_map(atlas, stream);
   bool in_row = false;  // the frame before has no pose either
   const auto begin_island = [&result] {
@@ -85,11 +85,11 @@ Islands find_islands(const Atlas& atlas, int64_t session, int64_t stream) {
     of_islands.push_back({sample_of(image.utime_us, owner), island});
   }
   for (const auto* some : {&of_islands, &of_map}) {
-    const std::vector<PlaceCandidate> chosen = thinned(*some, kMostCandidates);
+    const std::vector<WindowCandidate> chosen = thinned(*some, kMostCandidates);
     result.candidates.insert(result.candidates.end(), chosen.begin(), chosen.end());
   }
   std::sort(result.candidates.begin(), result.candidates.end(),
-            [](const PlaceCandidate& a, const PlaceCandidate& b) { return a.sample.utime_us < b.sample.utime_us; });
+            [](const WindowCandidate& a, const WindowCandidate& b) { return a.sample.utime_us < b.sample.utime_us; });
   return result;
 }
 
@@ -123,7 +123,7 @@ std::vector<image_t> Again::images(const std::set<int64_t>& utimes_us) {
 void Again::index(const Islands& islands) {
   const StageClock clock("ruminator.places");
   std::set<int64_t> utimes_us;
-  for (const PlaceCandidate& candidate : islands.candidates) utimes_us.insert(candidate.sample.utime_us);
+  for (const WindowCandidate& candidate : islands.candidates) utimes_us.insert(candidate.sample.utime_us);
   const Camera& camera = system_.recording.camera();
   const Camera working = working_camera(camera, kDefaultMaxImageSide);
   MaskReader masks(lens_mask(working));
@@ -138,10 +138,10 @@ void Again::index(const Islands& islands) {
 
 // Returns a window around the largest island of which no image was tried in this round; an empty one if there is none.
 PlaceWindow Again::next_window(const Islands& islands) {
-  std::vector<PlaceCandidate> candidates;
+  std::vector<WindowCandidate> candidates;
   std::vector<size_t> number;
   std::set<int> tried;
-  for (const PlaceCandidate& candidate : islands.candidates) {
+  for (const WindowCandidate& candidate : islands.candidates) {
     const auto found = number_in_index_.find(candidate.sample.utime_us);
     if (found == number_in_index_.end()) continue;
     candidates.push_back(candidate);
@@ -149,8 +149,8 @@ PlaceWindow Again::next_window(const Islands& islands) {
     if (tried_.contains(candidate.sample.utime_us)) tried.insert(candidate.island);
   }
   const ruminator::Island* seed = nullptr;
-  for (const PlaceCandidate& candidate : candidates) {
-    if (candidate.island == PlaceCandidate::kInMap || tried.contains(candidate.island)) continue;
+  for (const WindowCandidate& candidate : candidates) {
+    if (candidate.island == WindowCandidate::kInMap || tried.contains(candidate.island)) continue;
     const ruminator::Island& island = islands.all[static_cast<size_t>(candidate.island)];
     if (!seed || island.frames > seed->frames) seed = &island;
   }
@@ -163,8 +163,8 @@ PlaceWindow Again::next_window(const Islands& islands) {
 void Again::rebuild(const PlaceWindow& window) {
   std::vector<Sample> samples;
   std::set<int64_t> utimes_us;
-  for (const PlaceCandidate& candidate : window.candidates) {
-    if (candidate.island != PlaceCandidate::kInMap) tried_.insert(candidate.sample.utime_us);
+  for (const WindowCandidate& candidate : window.candidates) {
+    if (candidate.island != WindowCandidate::kInMap) tried_.insert(candidate.sample.utime_us);
     samples.push_back(candidate.sample);
     utimes_us.insert(candidate.sample.utime_us);
   }

@@ -12,7 +12,7 @@
 
 #include "camera_driver/source/image_source.h"
 #include "map_server/atlas/atlas.h"
-#include "ruminator/again/place_index.h"
+#include "ruminator/again/image_similarity.h"
 #include "ruminator/again/place_window.h"
 #include "ruminator/ruminator_node.h"
 
@@ -20,9 +20,9 @@ namespace rumi::tool {
 
 // The frames of a session that are not in the map.
 struct Islands {
-  std::vector<ruminator::Island> all;                 // `id` is the index
-  std::vector<ruminator::PlaceCandidate> candidates;  // images of the islands and of the map, in order of time
-  int64_t frames = 0;                                 // of all islands
+  std::vector<ruminator::Island> all;                  // `id` is the index
+  std::vector<ruminator::WindowCandidate> candidates;  // images of the islands and of the map, in order of time
+  int64_t frames = 0;                                  // of all islands
 };
 Islands find_islands(const map_server::Atlas& atlas, int64_t session, int64_t stream);
 
@@ -52,7 +52,7 @@ class Again {
 
   System system_;
   int64_t images_left_ = 0;
-  ruminator::PlaceIndex index_;
+  ruminator::ImageSimilarity index_;
   std::map<int64_t, size_t> number_in_index_;  // by utime
   std::set<int64_t> tried_;                    // utimes of images of islands in the windows of this round
 };

@@ -15,7 +15,7 @@ constexpr size_t kLookAlike = 4;      // images of the map that each image of an
 // Grows a tree of images: the next one is always the image outside that looks most like one inside (Prim).
 class Growth {
  public:
-  Growth(const std::vector<PlaceCandidate>& candidates, const Similarity& similarity)
+  Growth(const std::vector<WindowCandidate>& candidates, const Similarity& similarity)
       : candidates_(candidates), similarity_(similarity), nearest_(candidates.size(), kFar) {}
 
   void take(size_t image) {
@@ -27,7 +27,7 @@ class Growth {
     size_t best = candidates_.size();
     for (size_t i = 0; i < candidates_.size(); ++i) {
       const int island = candidates_[i].island;
-      const bool may = island != PlaceCandidate::kInMap && (only == PlaceCandidate::kInMap || island == only);
+      const bool may = island != WindowCandidate::kInMap && (only == WindowCandidate::kInMap || island == only);
       if (may && !taken_.contains(i) && (best == candidates_.size() || nearest_[i] > nearest_[best])) best = i;
     }
     if (best == candidates_.size()) return false;
@@ -38,7 +38,7 @@ class Growth {
 
  private:
   static constexpr double kFar = -std::numeric_limits<double>::infinity();
-  const std::vector<PlaceCandidate>& candidates_;
+  const std::vector<WindowCandidate>& candidates_;
   const Similarity& similarity_;
   std::vector<double> nearest_;  // the greatest similarity to an image that is taken
   std::set<size_t> taken_;
@@ -46,11 +46,11 @@ class Growth {
 
 // Returns images of the map, the one that `images` ask for most first. Each image asks for those that look most like
 // it, and for the map's nearest one before and behind it in time.
-std::vector<size_t> wanted_of_map(const std::vector<PlaceCandidate>& candidates, const std::set<size_t>& images,
+std::vector<size_t> wanted_of_map(const std::vector<WindowCandidate>& candidates, const std::set<size_t>& images,
                                   const Similarity& similarity) {
   std::vector<size_t> map;
   for (size_t i = 0; i < candidates.size(); ++i)
-    if (candidates[i].island == PlaceCandidate::kInMap) map.push_back(i);
+    if (candidates[i].island == WindowCandidate::kInMap) map.push_back(i);
   std::map<size_t, double> wanted;
   for (const size_t image : images) {
     std::vector<std::pair<double, size_t>> ranked;
@@ -72,16 +72,16 @@ std::vector<size_t> wanted_of_map(const std::vector<PlaceCandidate>& candidates,
 
 }  // namespace
 
-PlaceWindow choose_place_window(const std::vector<PlaceCandidate>& candidates, int seed, const Similarity& similarity,
+PlaceWindow choose_place_window(const std::vector<WindowCandidate>& candidates, int seed, const Similarity& similarity,
                                 int max_images) {
   const auto first = std::find_if(candidates.begin(), candidates.end(),
-                                  [seed](const PlaceCandidate& candidate) { return candidate.island == seed; });
-  if (seed == PlaceCandidate::kInMap || first == candidates.end()) return {};
+                                  [seed](const WindowCandidate& candidate) { return candidate.island == seed; });
+  if (seed == WindowCandidate::kInMap || first == candidates.end()) return {};
   const auto most = static_cast<size_t>(max_images), of_islands = static_cast<size_t>(kIslandShare * max_images);
   Growth growth(candidates, similarity);
   growth.take(static_cast<size_t>(first - candidates.begin()));
   while (growth.taken().size() < of_islands && growth.grow(seed)) continue;
-  while (growth.taken().size() < of_islands && growth.grow(PlaceCandidate::kInMap)) continue;
+  while (growth.taken().size() < of_islands && growth.grow(WindowCandidate::kInMap)) continue;
 
   std::set<size_t> chosen = growth.taken();
   PlaceWindow window;

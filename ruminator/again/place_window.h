@@ -13,7 +13,7 @@
 namespace rumi::ruminator {
 
 // An image that may be taken into a window.
-struct PlaceCandidate {
+struct WindowCandidate {
   static constexpr int kInMap = -1;
   Sample sample;
   int island = kInMap;  // the island that it belongs to
@@ -32,14 +32,14 @@ using Similarity = std::function<double(size_t, size_t)>;
 inline constexpr int kPlaceWindowImages = 140;
 
 struct PlaceWindow {
-  std::vector<PlaceCandidate> candidates;  // in order of time
-  std::set<int> islands;                   // those of which it has an image
+  std::vector<WindowCandidate> candidates;  // in order of time
+  std::set<int> islands;                    // those of which it has an image
 };
 
 // Chooses a window around the island `seed`. It grows image by image: the next one is always the one that looks most
 // like an image that is in already, so that images overlap. Images of the map fill the rest. `candidates` are in order
 // of time. Returns an empty window if the island has no candidate.
-PlaceWindow choose_place_window(const std::vector<PlaceCandidate>& candidates, int seed, const Similarity& similarity,
+PlaceWindow choose_place_window(const std::vector<WindowCandidate>& candidates, int seed, const Similarity& similarity,
                                 int max_images);
 
 }  // namespace rumi::ruminator

@@ -23,6 +23,7 @@ struct SiftFeatures {
   size_t size() const { return undistorted.size(); }
 };
 
+constexpr size_t kMinKeypoints = 50;  // an image with fewer shows nothing to be rebuilt
 constexpr int kSiftKeypoints = 1000;
 
 // Finds the strongest keypoints of an 8-bit grey image. Leaves out keypoints that the lens model cannot undistort, and

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "slam/geometry/rotation_fit.h"
 #include "slam/numeric/consensus.h"
 #include "slam/numeric/median.h"
 
@@ -25,8 +26,8 @@ struct PosePair {
   Eigen::Quaterniond b_from_a() const { return cam_from_b.rotation.conjugate() * cam_from_a.rotation; }
 };
 
-// Returns the alignment of the chosen poses. The rotation is that of the image from which the others differ least:
-// positions on a line would leave it open.
+// Returns the alignment of the chosen poses. The rotation is taken from the poses, because positions on a line would
+// leave it open.
 template <class Indices>
 std::optional<Sim3> align(const std::vector<PosePair>& poses, const Indices& chosen) {
   Eigen::Vector3d mean_a = Eigen::Vector3d::Zero(), mean_b = Eigen::Vector3d::Zero();
@@ -34,20 +35,17 @@ std::optional<Sim3> align(const std::vector<PosePair>& poses, const Indices& cho
     mean_a += poses[i].cam_from_a.center() / static_cast<double>(chosen.size());
     mean_b += poses[i].cam_from_b.center() / static_cast<double>(chosen.size());
   }
-  double square_a = 0, square_b = 0, least_angles = 0;
-  std::optional<Eigen::Quaterniond> rotation;
+  double square_a = 0, square_b = 0;
+  std::vector<Eigen::Quaterniond> rotations;
   for (const int i : chosen) {
     square_a += (poses[i].cam_from_a.center() - mean_a).squaredNorm();
     square_b += (poses[i].cam_from_b.center() - mean_b).squaredNorm();
-    double angles = 0;
-    for (const int j : chosen) angles += poses[i].b_from_a().angularDistance(poses[j].b_from_a());
-    if (rotation && angles >= least_angles) continue;
-    rotation = poses[i].b_from_a();
-    least_angles = angles;
+    rotations.push_back(poses[i].b_from_a());
   }
-  if (!rotation || !(square_a > 0) || !(square_b > 0)) return std::nullopt;
+  if (!(square_a > 0) || !(square_b > 0)) return std::nullopt;
   const double scale = std::sqrt(square_b / square_a);
-  return Sim3(scale, *rotation, mean_b - scale * (*rotation * mean_a));
+  const Eigen::Quaterniond rotation = central_rotation(rotations);
+  return Sim3(scale, rotation, mean_b - scale * (rotation * mean_a));
 }
 
 // Returns the median distance of b's positions from their median.

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "slam/geometry/alignment.h"
+#include "slam/geometry/rotation_fit.h"
 #include "slam/numeric/consensus.h"
 
 namespace rumi::ruminator {
@@ -82,14 +83,7 @@ std::optional<Sim3> submap_from_model(const std::vector<FrontPose>& poses) {
   }
   const auto aligned = umeyama(in_model, in_submap);
   if (!aligned || aligned->scale <= 0) return std::nullopt;
-  const auto sum_of_angles = [&rotations](const Eigen::Quaterniond& q) {
-    double sum = 0;
-    for (const Eigen::Quaterniond& other : rotations) sum += q.angularDistance(other);
-    return sum;
-  };
-  const Eigen::Quaterniond rotation =
-      *std::min_element(rotations.begin(), rotations.end(),
-                        [&](const auto& a, const auto& b) { return sum_of_angles(a) < sum_of_angles(b); });
+  const Eigen::Quaterniond rotation = central_rotation(rotations);
   return Sim3(aligned->scale, rotation, mean_in_submap - aligned->scale * (rotation * mean_in_model));
 }
 

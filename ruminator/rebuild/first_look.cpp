@@ -19,7 +19,6 @@ namespace {
 
 // look_at_gap() examines kGapLooks images. The gap is blind if none of them has kMinKeypoints keypoints.
 constexpr size_t kGapLooks = 6;
-constexpr size_t kMinKeypoints = 50;
 
 // look_at_motion() begins with kFirstLooks images spread evenly over the window. Between neighbours that have too
 // little in common it adds images, up to kMostLooks in all.

@@ -27,17 +27,6 @@ constexpr double kEnoughByPlace = 0.5;   // the same for windows by place
 // cores.
 constexpr double kWallPerCpuTime = 30;
 
-Result<> check_quality(const WindowModel& candidate, const BuildOptions& options) {
-  const size_t images = candidate.model.cam_from_world.size();
-  if (images < 3) return Error{fmt::format("{} images have a pose", images)};
-  if (candidate.quality.rmse_px > options.max_rmse_px)
-    return Error{fmt::format("reprojection error {:.2f} px", candidate.quality.rmse_px)};
-  if (candidate.pair_rotation_deg > options.max_pair_rotation_deg)
-    return Error{fmt::format("its rotations differ from those between its images by {:.1f} degrees",
-                             candidate.pair_rotation_deg)};
-  return {};
-}
-
 class Attempts {
  public:
   Attempts(const WindowModelInput& input, const BuildOptions& options, const std::string& folder,
@@ -67,7 +56,6 @@ class Attempts {
       adjust_model(in_.camera, in_.images, rough, &*model);
     }
     WindowModel ours = completion_.complete(std::move(*model), "global model");
-    ours.is_global = true;
     const std::string seed = folder_ + "/seed";
     std::error_code ignored;
     fs::create_directories(seed, ignored);
@@ -75,8 +63,7 @@ class Attempts {
       result.warning = written.error_text();
     else
       extend(seed, &ours);
-    add(std::move(ours));
-    globals_ = candidates_.size();
+    add_global(std::move(ours));
   }
 
   void colmap_alone(double angle_deg) {
@@ -134,7 +121,7 @@ class Attempts {
   Confirmed most_confirmed() const {
     Confirmed most;
     for (const WindowModel& c : candidates_) {
-      if (!check_quality(c, o_)) continue;
+      if (!c.credible) continue;
       std::set<int> images;
       for (const WindowModel& other : candidates_)
         if (other.is_global != c.is_global) images.merge(agreeing_images(other.model, c.model));
@@ -195,23 +182,23 @@ class Attempts {
         outcome.models->begin(), outcome.models->end(),
         [](const SparseModel& a, const SparseModel& b) { return a.cam_from_world.size() < b.cam_from_world.size(); });
     if (extended.cam_from_world.size() <= ours->model.cam_from_world.size()) return;
-    WindowModel candidate = completion_.complete(std::move(extended), "global model extended by COLMAP");
-    candidate.is_global = true;
-    add(std::move(candidate));
+    add_global(completion_.complete(std::move(extended), "global model extended by COLMAP"));
   }
 
-  void add(WindowModel candidate) {
+  void add_global(WindowModel candidate) {
+    candidate.is_global = true;
     judge_model(in_, rotations_, o_, &candidate);
     keep(std::move(candidate));
   }
 
   // Adds a candidate that COLMAP began with one pair, which may be a wrong one. So it must not contradict a credible
-  // global model, but it may have more images.
+  // global model, but it may have more images. For windows by place most_confirmed() compares the models image by
+  // image.
   void add_rival(WindowModel candidate) {
     judge_model(in_, rotations_, o_, &candidate);
-    for (size_t i = 0; i < globals_ && candidate.credible; ++i)
-      if (candidates_[i].credible)
-        candidate.credible = compare_shapes(candidates_[i].model, candidate.model, in_.utimes_us, o_);
+    for (const WindowModel& global : candidates_)
+      if (!in_.by_place && candidate.credible && global.is_global && global.credible)
+        candidate.credible = compare_shapes(global.model, candidate.model, in_.utimes_us, o_);
     keep(std::move(candidate));
   }
 
@@ -240,8 +227,18 @@ class Attempts {
   std::vector<int> keypoint_counts_;
   int connected_ = 0;  // size of the largest group of connected images
   std::vector<WindowModel> candidates_;
-  size_t globals_ = 0;  // number of candidates from the global model, which come first
 };
+
+Result<> check_quality(const WindowModel& candidate, const BuildOptions& options) {
+  const size_t images = candidate.model.cam_from_world.size();
+  if (images < 3) return Error{fmt::format("{} images have a pose", images)};
+  if (candidate.quality.rmse_px > options.max_rmse_px)
+    return Error{fmt::format("reprojection error {:.2f} px", candidate.quality.rmse_px)};
+  if (candidate.pair_rotation_deg > options.max_pair_rotation_deg)
+    return Error{fmt::format("its rotations differ from those between its images by {:.1f} degrees",
+                             candidate.pair_rotation_deg)};
+  return {};
+}
 
 }  // namespace
 

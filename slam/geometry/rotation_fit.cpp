@@ -2,6 +2,7 @@
 #include "slam/geometry/rotation_fit.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 #include "slam/numeric/median.h"
 
@@ -26,6 +27,16 @@ std::optional<RotationFit> fit_rotation(std::vector<Eigen::Vector3d> a, std::vec
   if (!fit.b_from_a.allFinite()) return std::nullopt;
   fit.median_residual_rad = median(&residuals);
   return fit;
+}
+
+Eigen::Quaterniond central_rotation(const std::vector<Eigen::Quaterniond>& rotations) {
+  const auto sum_of_angles = [&rotations](const Eigen::Quaterniond& q) {
+    double sum = 0;
+    for (const Eigen::Quaterniond& other : rotations) sum += q.angularDistance(other);
+    return sum;
+  };
+  return *std::min_element(rotations.begin(), rotations.end(),
+                           [&](const auto& a, const auto& b) { return sum_of_angles(a) < sum_of_angles(b); });
 }
 
 }  // namespace rumi

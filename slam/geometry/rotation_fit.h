@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <optional>
 #include <vector>
 
@@ -16,5 +17,8 @@ struct RotationFit {
 // angles. It is Kabsch's solution, iteratively reweighted, so that up to a third of wrong pairs hardly change it.
 // Returns nullopt for fewer than three pairs, different counts, or rays that are not finite.
 std::optional<RotationFit> fit_rotation(std::vector<Eigen::Vector3d> a, std::vector<Eigen::Vector3d> b);
+
+// Returns the rotation whose angles to the others have the least sum. Precondition: at least one rotation.
+Eigen::Quaterniond central_rotation(const std::vector<Eigen::Quaterniond>& rotations);
 
 }  // namespace rumi

@@ -9,7 +9,6 @@
 
 #include <chrono>
 #include <csignal>
-#include <stdexcept>
 #include <thread>
 
 #include "base/or_throw.h"

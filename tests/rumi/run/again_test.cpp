@@ -14,7 +14,7 @@ namespace {
 
 using map_server::Atlas;
 using map_server::FrameRecord;
-using ruminator::PlaceCandidate;
+using ruminator::WindowCandidate;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
@@ -36,7 +36,7 @@ class FindIslands : public ::testing::Test {
   }
   std::set<int64_t> utimes_of(const Islands& islands, int island) const {
     std::set<int64_t> utimes_us;
-    for (const PlaceCandidate& c : islands.candidates)
+    for (const WindowCandidate& c : islands.candidates)
       if (c.island == island) utimes_us.insert(c.sample.utime_us);
     return utimes_us;
   }
@@ -62,11 +62,11 @@ TEST_F(FindIslands, OfTheMapKeyframesAreCandidates) {
   std::set<int64_t> keyframes;
   for (const auto& [id, keyframe] : in_map_.keyframes)
     if (in_map_.frame(keyframe.utime_us)) keyframes.insert(keyframe.utime_us);
-  EXPECT_EQ(utimes_of(find_islands(atlas_, kSession, 0), PlaceCandidate::kInMap), keyframes);
+  EXPECT_EQ(utimes_of(find_islands(atlas_, kSession, 0), WindowCandidate::kInMap), keyframes);
 }
 
 TEST_F(FindIslands, SamplesOfFrontSubmapsHaveTheirPoses) {
-  for (const PlaceCandidate& c : find_islands(atlas_, kSession, 0).candidates) {
+  for (const WindowCandidate& c : find_islands(atlas_, kSession, 0).candidates) {
     const int64_t t = c.sample.utime_us;
     EXPECT_EQ(c.sample.submap_id, in_map_.frame(t) ? 1 : outside_.frame(t) ? 2 : kNoSubmap) << t;
   }

@@ -15,7 +15,7 @@ using ::testing::ElementsAre;
 
 // Images 0, 1, 2, ... of a walk; image i looks like those near `place[i]`.
 struct Walk {
-  std::vector<PlaceCandidate> candidates;
+  std::vector<WindowCandidate> candidates;
   std::vector<double> place;
   void add(int count, int island, double from_place) {
     for (int i = 0; i < count; ++i) {
@@ -31,18 +31,18 @@ struct Walk {
 
 std::vector<int64_t> utimes_of(const PlaceWindow& window) {
   std::vector<int64_t> utimes;
-  for (const PlaceCandidate& candidate : window.candidates) utimes.push_back(candidate.sample.utime_us);
+  for (const WindowCandidate& candidate : window.candidates) utimes.push_back(candidate.sample.utime_us);
   return utimes;
 }
 
 int images_of(const PlaceWindow& window, int island) {
   return static_cast<int>(std::count_if(window.candidates.begin(), window.candidates.end(),
-                                        [&](const PlaceCandidate& c) { return c.island == island; }));
+                                        [&](const WindowCandidate& c) { return c.island == island; }));
 }
 
 TEST(PlaceWindow, TakesTheMapsImagesThatLookLikeTheIsland) {
   Walk walk;
-  walk.add(100, PlaceCandidate::kInMap, 0);
+  walk.add(100, WindowCandidate::kInMap, 0);
   walk.add(10, 0, 20);  // sees again what images 20 to 29 saw
   const PlaceWindow window = walk.choose(0, 30);
   EXPECT_THAT(window.islands, ElementsAre(0));
@@ -75,9 +75,9 @@ TEST(PlaceWindow, TakesNeighboursOfALongIsland) {
 
 TEST(PlaceWindow, IsEmptyWithoutTheIsland) {
   Walk walk;
-  walk.add(10, PlaceCandidate::kInMap, 0);
+  walk.add(10, WindowCandidate::kInMap, 0);
   EXPECT_TRUE(walk.choose(0, 60).candidates.empty());
-  EXPECT_TRUE(walk.choose(PlaceCandidate::kInMap, 60).candidates.empty());
+  EXPECT_TRUE(walk.choose(WindowCandidate::kInMap, 60).candidates.empty());
 }
 
 }  // namespace

@@ -38,6 +38,14 @@ TEST(RelativePose, NothingToGoByLeavesThePose) {
   EXPECT_LT(rotation_error_deg(pose, before), 1e-9);
 }
 
+TEST(CentralRotation, IsTheOneAmongMostOfTheOthers) {
+  std::vector<Eigen::Quaterniond> rotations;
+  for (const double angle : {2.0, 0.11, 0.1, 0.08, -1.5})
+    rotations.emplace_back(Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 2, 3).normalized()));
+  EXPECT_EQ(central_rotation(rotations).coeffs(), rotations[2].coeffs());
+  EXPECT_EQ(central_rotation({rotations[0]}).coeffs(), rotations[0].coeffs());
+}
+
 TEST(RotationFit, FindsTheTurnAmongAThirdOfWrongPairsAndMeasuresTheRest) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     SyntheticScene scene(seed);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/again/place_index.h"
+#include "ruminator/again/image_similarity.h"
 
 #include <algorithm>
 #include <limits>
@@ -12,7 +12,6 @@ namespace {
 // Places are recognized by coarse structure: small images are enough, and cost a tenth.
 constexpr int kImageSide_px = 480;
 constexpr int kKeypoints = 300;
-constexpr size_t kLeastKeypoints = 50;  // an image with fewer shows nothing to be rebuilt (first_look.cpp)
 constexpr int kWords = 32;
 constexpr int kTrainingDescriptors = 6000;
 constexpr int kDimensions = std::tuple_size_v<SiftDescriptor>;
@@ -25,7 +24,7 @@ cv::Mat row_of(const SiftDescriptor& descriptor) {
 
 }  // namespace
 
-bool PlaceIndex::add(const cv::Mat& grey, const Camera& camera, const ImageMask& mask) {
+bool ImageSimilarity::add(const cv::Mat& grey, const Camera& camera, const ImageMask& mask) {
   const double shrink = std::min(1.0, static_cast<double>(kImageSide_px) / std::max(grey.cols, grey.rows));
   const cv::Size size(static_cast<int>(grey.cols * shrink), static_cast<int>(grey.rows * shrink));
   cv::Mat small;
@@ -33,12 +32,12 @@ bool PlaceIndex::add(const cv::Mat& grey, const Camera& camera, const ImageMask&
   const Camera small_camera = camera.resized(size.width, size.height);
   SiftFeatures features =
       extract_sift(small, small_camera, kKeypoints, mask.is_everything() ? mask : mask.resized(size));
-  if (features.size() < kLeastKeypoints) return false;
+  if (features.size() < kMinKeypoints) return false;
   descriptors_.push_back(std::move(features.descriptors));
   return true;
 }
 
-cv::Mat PlaceIndex::words() const {
+cv::Mat ImageSimilarity::words() const {
   size_t all = 0;
   for (const auto& image : descriptors_) all += image.size();
   const size_t step = std::max<size_t>(1, all / kTrainingDescriptors);
@@ -55,7 +54,7 @@ cv::Mat PlaceIndex::words() const {
   return centres;
 }
 
-Eigen::VectorXf PlaceIndex::vector_of(const cv::Mat& words, const std::vector<SiftDescriptor>& descriptors) const {
+Eigen::VectorXf ImageSimilarity::vector_of(const cv::Mat& words, const std::vector<SiftDescriptor>& descriptors) const {
   using Row = Eigen::Map<const Eigen::RowVectorXf>;
   Eigen::MatrixXf residuals = Eigen::MatrixXf::Zero(kDimensions, words.rows);
   for (const SiftDescriptor& descriptor : descriptors) {
@@ -75,7 +74,7 @@ Eigen::VectorXf PlaceIndex::vector_of(const cv::Mat& words, const std::vector<Si
   return Eigen::Map<Eigen::VectorXf>(residuals.data(), residuals.size()).normalized();
 }
 
-void PlaceIndex::build() {
+void ImageSimilarity::build() {
   const cv::Mat centres = words();
   vectors_.assign(descriptors_.size(), Eigen::VectorXf());
   for (size_t i = 0; i < descriptors_.size() && !centres.empty(); ++i)
@@ -83,7 +82,7 @@ void PlaceIndex::build() {
   for (auto& image : descriptors_) image = {};
 }
 
-double PlaceIndex::similarity(size_t first, size_t second) const {
+double ImageSimilarity::similarity(size_t first, size_t second) const {
   const Eigen::VectorXf &a = vectors_[first], &b = vectors_[second];
   return a.size() == 0 || b.size() == 0 ? 0 : a.dot(b);
 }

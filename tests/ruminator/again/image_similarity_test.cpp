@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/again/place_index.h"
+#include "ruminator/again/image_similarity.h"
 
 #include <gtest/gtest.h>
 
@@ -26,16 +26,16 @@ Camera camera() {
   return camera;
 }
 
-PlaceIndex index_of_walk() {
-  PlaceIndex index;
+ImageSimilarity index_of_walk() {
+  ImageSimilarity index;
   const cv::Mat wall = rumi::ruminator::wall(3);
   for (int x = 0; x + 480 <= wall.cols; x += 120) EXPECT_TRUE(index.add(wall(cv::Rect(x, 0, 480, 360)), camera(), {}));
   index.build();
   return index;
 }
 
-TEST(PlaceIndex, NeighboursLookAlikeMoreThanStrangers) {
-  const PlaceIndex index = index_of_walk();
+TEST(ImageSimilarity, NeighboursLookAlikeMoreThanStrangers) {
+  const ImageSimilarity index = index_of_walk();
   ASSERT_EQ(index.size(), 17u);
   for (size_t i = 0; i + 1 < index.size(); ++i) {
     EXPECT_NEAR(index.similarity(i, i), 1, 1e-4);
@@ -45,13 +45,13 @@ TEST(PlaceIndex, NeighboursLookAlikeMoreThanStrangers) {
   }
 }
 
-TEST(PlaceIndex, IsTheSameWheneverItIsBuilt) {
-  const PlaceIndex first = index_of_walk(), second = index_of_walk();
+TEST(ImageSimilarity, IsTheSameWheneverItIsBuilt) {
+  const ImageSimilarity first = index_of_walk(), second = index_of_walk();
   for (size_t i = 0; i < first.size(); ++i) EXPECT_EQ(first.similarity(0, i), second.similarity(0, i));
 }
 
-TEST(PlaceIndex, DoesNotTakeImagesThatShowNothing) {
-  PlaceIndex index;
+TEST(ImageSimilarity, DoesNotTakeImagesThatShowNothing) {
+  ImageSimilarity index;
   EXPECT_FALSE(index.add(cv::Mat(360, 480, CV_8U, cv::Scalar(90)), camera(), {}));
   EXPECT_EQ(index.size(), 0u);
   index.build();

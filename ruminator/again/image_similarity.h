@@ -14,7 +14,7 @@
 
 namespace rumi::ruminator {
 
-class PlaceIndex {
+class ImageSimilarity {
  public:
   // False, and the image is not taken, if it shows too little to be recognized. Images are numbered 0, 1, ... in the
   // order in which they are taken. `camera` is the grey image's.
