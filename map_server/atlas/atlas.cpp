@@ -30,6 +30,12 @@ bool hangs_on_placed_keyframe(const AtlasSubmap& owner, const FramePose& frame) 
   return keyframe && (places.empty() || places.contains(keyframe->utime_us));
 }
 
+// True if the image is itself a keyframe, so that the adjustment of the map has moved it.
+bool is_keyframe(const Submap& submap, const FramePose& frame) {
+  const Keyframe* keyframe = submap.keyframe(frame.reference_keyframe);
+  return keyframe && keyframe->utime_us == frame.utime_us;
+}
+
 bool is_between_its_frames(ImageId image, const Submap& submap) {
   return image.stream == submap.stream && !submap.frames.empty() && submap.frames.begin()->first <= image.utime_us &&
          image.utime_us <= submap.frames.rbegin()->first;
@@ -285,8 +291,10 @@ std::optional<LocatedFrame> Atlas::locate(ImageId image) const {
   const auto order = [&](const AtlasSubmap& s) {
     const bool tracked_in =
         record != frames_.end() && s.submap.key == SubmapKey{record->second.session, record->second.submap_id};
-    const bool follows = s.in_map && !hangs_on_placed_keyframe(s, *s.submap.frame(image.utime_us));
-    return std::make_tuple(!s.in_map, follows, !tracked_in, s.submap.kind != SubmapKind::kFront);
+    const FramePose& frame = *s.submap.frame(image.utime_us);
+    const bool follows = s.in_map && !hangs_on_placed_keyframe(s, frame);
+    const bool was_adjusted = s.in_map && is_keyframe(s.submap, frame);
+    return std::make_tuple(!s.in_map, follows, !was_adjusted, !tracked_in, s.submap.kind != SubmapKind::kFront);
   };
   const AtlasSubmap* best = nullptr;
   for (const auto& [key, candidate] : submaps_)

@@ -16,17 +16,20 @@ namespace {
 
 using map_server::Atlas;
 using map_server::AtlasSubmap;
+using map_server::LocatedFrame;
 using ruminator::PlaceWindow;
 using ruminator::Sample;
 using ruminator::WindowCandidate;
 
 constexpr size_t kMostCandidates = 300;  // of the islands, and as many of the map
-constexpr double kLeastShare = 0.01;     // of the frames: a map that lacks fewer is whole
+// A map that lacks less than this part of the frames is whole, and a round that wins less is the last one.
+constexpr double kLeastShare = 0.01;
 
 template <class T>
 std::vector<T> thinned(const std::vector<T>& all, size_t most) {
   if (all.size() <= most) return all;
   std::vector<T> some;
+  if (most < 2) return some;
   for (size_t k = 0; k < most; ++k) some.push_back(all[k * (all.size() - 1) / (most - 1)]);
   return some;
 }
@@ -50,12 +53,19 @@ Sample sample_of(int64_t utime_us, const AtlasSubmap* owner) {
   return sample;
 }
 
+Sample sample_in_map(int64_t utime_us, const LocatedFrame& located, bool is_keyframe) {
+  return {.utime_us = utime_us,
+          .is_keyframe = is_keyframe,
+          .submap_id = ruminator::kMapFrame,
+          .cam_from_submap = located.cam_from_map()};
+}
+
 }  // namespace
 
 Islands find_islands(const Atlas& atlas, int64_t session, int64_t stream) {
   Islands result;
   std::map<SubmapKey, int> id_of;  // of the islands that are submaps
-  std::vector<WindowCandidate> of_islands, of_map;
+  std::vector<WindowCandidate> of_islands, of_map, between_keyframes;
   const std::set<int64_t> keyframes = keyframes_in_map(atlas, stream);
   bool in_row = false;  // the frame before has no pose either
   const auto begin_island = [&result] {
@@ -69,7 +79,8 @@ Islands find_islands(const Atlas& atlas, int64_t session, int64_t stream) {
     const bool continues_row = !owner && in_row;
     in_row = !owner;
     if (owner && owner->in_map) {
-      if (keyframes.contains(image.utime_us)) of_map.push_back({sample_of(image.utime_us, owner)});
+      const bool is_keyframe = keyframes.contains(image.utime_us);
+      (is_keyframe ? of_map : between_keyframes).push_back({sample_in_map(image.utime_us, *located, is_keyframe)});
       continue;
     }
     int island = continues_row ? result.all.back().id : -1;
@@ -84,10 +95,15 @@ Islands find_islands(const Atlas& atlas, int64_t session, int64_t stream) {
     ++result.frames;
     of_islands.push_back({sample_of(image.utime_us, owner), island});
   }
-  for (const auto* some : {&of_islands, &of_map}) {
-    const std::vector<WindowCandidate> chosen = thinned(*some, kMostCandidates);
+  const auto take = [&result](const std::vector<WindowCandidate>& some, size_t most) {
+    const std::vector<WindowCandidate> chosen = thinned(some, most);
     result.candidates.insert(result.candidates.end(), chosen.begin(), chosen.end());
-  }
+  };
+  take(of_islands, kMostCandidates);
+  take(of_map, kMostCandidates);
+  // Front_tracker's pose of a frame between keyframes may be wrong where the camera turns fast.
+  const size_t enough = std::min(of_islands.size(), kMostCandidates);
+  take(between_keyframes, enough - std::min(of_map.size(), enough));
   std::sort(result.candidates.begin(), result.candidates.end(),
             [](const WindowCandidate& a, const WindowCandidate& b) { return a.sample.utime_us < b.sample.utime_us; });
   return result;
@@ -99,16 +115,17 @@ Islands Again::look() const {
 
 void Again::run(int64_t most_images) {
   images_left_ = most_images;
-  const auto is_whole = [this](const Islands& islands) {
-    return static_cast<double>(islands.frames) < kLeastShare * static_cast<double>(system_.atlas.frames().size());
-  };
   // A map that is whole already is not touched: to settle it means to adjust it once more.
-  if (is_whole(look())) return;
+  if (are_few(look().frames)) return;
   system_.settle();
   const Islands islands = look();
-  if (is_whole(islands)) return;
-  index(islands);
+  if (are_few(islands.frames)) return;
+  if (!index(islands)) return;
   for (int number = 2; !is_over() && round(number); ++number) continue;
+}
+
+bool Again::are_few(int64_t frames) const {
+  return static_cast<double>(frames) < kLeastShare * static_cast<double>(system_.atlas.frames().size());
 }
 
 bool Again::is_over() const { return (system_.stop && *system_.stop) || images_left_ <= 0; }
@@ -120,10 +137,20 @@ std::vector<image_t> Again::images(const std::set<int64_t>& utimes_us) {
   return found;
 }
 
-void Again::index(const Islands& islands) {
+// False if the images of the islands show nothing.
+bool Again::index(const Islands& islands) {
   const StageClock clock("ruminator.places");
-  std::set<int64_t> utimes_us;
-  for (const WindowCandidate& candidate : islands.candidates) utimes_us.insert(candidate.sample.utime_us);
+  std::set<int64_t> of_islands, of_map;
+  for (const WindowCandidate& candidate : islands.candidates)
+    (candidate.island == WindowCandidate::kInMap ? of_map : of_islands).insert(candidate.sample.utime_us);
+  add_to_index(of_islands);
+  if (number_in_index_.empty()) return false;
+  add_to_index(of_map);
+  index_.build();
+  return true;
+}
+
+void Again::add_to_index(const std::set<int64_t>& utimes_us) {
   const Camera& camera = system_.recording.camera();
   const Camera working = working_camera(camera, kDefaultMaxImageSide);
   MaskReader masks(lens_mask(working));
@@ -133,7 +160,6 @@ void Again::index(const Islands& islands) {
     if (!grey || !index_.add(*grey, working, masks.read(*image, grey->size()))) continue;
     number_in_index_.emplace(image->utime, number_in_index_.size());
   }
-  index_.build();
 }
 
 // Returns a window around the largest island of which no image was tried in this round; an empty one if there is none.
@@ -173,7 +199,7 @@ void Again::rebuild(const PlaceWindow& window) {
   system_.settle();
 }
 
-// True if it won frames.
+// True if it won more than a few frames.
 bool Again::round(int number) {
   const double begin_s = process_cpu_s();
   const int64_t before = system_.atlas.frames_in_map();
@@ -192,7 +218,7 @@ bool Again::round(int number) {
   if (windows == 0) return false;
   const int64_t won = system_.atlas.frames_in_map() - before;
   log_info("round {}: {} windows, {} frames won, {:.0f} s CPU", number, windows, won, process_cpu_s() - begin_s);
-  return won > 0;
+  return !are_few(won);
 }
 
 }  // namespace rumi::tool

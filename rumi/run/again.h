@@ -37,18 +37,20 @@ class Again {
   };
   explicit Again(System system) : system_(std::move(system)) {}
 
-  // Ends when a round wins nothing, when the windows have had `most_images`, or when it is called off. (A limit of the
-  // CPU time would make the result depend on the machine.)
+  // Ends when a round wins next to nothing, when the windows have had `most_images`, or when it is called off. (A limit
+  // of the CPU time would make the result depend on the machine.)
   void run(int64_t most_images);
 
  private:
   bool round(int number);
   Islands look() const;
-  void index(const Islands& islands);
+  bool index(const Islands& islands);
+  void add_to_index(const std::set<int64_t>& utimes_us);
   ruminator::PlaceWindow next_window(const Islands& islands);
   void rebuild(const ruminator::PlaceWindow& window);
   std::vector<image_t> images(const std::set<int64_t>& utimes_us);
   bool is_over() const;
+  bool are_few(int64_t frames) const;
 
   System system_;
   int64_t images_left_ = 0;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kIslandShare = 0.7;  // of the window's images, at most; the rest are the map's
 constexpr size_t kLookAlike = 4;      // images of the map that each image of an island asks for
+constexpr size_t kLeastOfMap = 24;    // and that they ask for together: a small window has no witness
 
 // Grows a tree of images: the next one is always the image outside that looks most like one inside (Prim).
 class Growth {
@@ -51,13 +52,14 @@ std::vector<size_t> wanted_of_map(const std::vector<WindowCandidate>& candidates
   std::vector<size_t> map;
   for (size_t i = 0; i < candidates.size(); ++i)
     if (candidates[i].island == WindowCandidate::kInMap) map.push_back(i);
+  const size_t each = std::max(kLookAlike, kLeastOfMap / std::max<size_t>(1, images.size()));
   std::map<size_t, double> wanted;
   for (const size_t image : images) {
     std::vector<std::pair<double, size_t>> ranked;
     ranked.reserve(map.size());
     for (const size_t m : map) ranked.emplace_back(-similarity(image, m), m);
     std::sort(ranked.begin(), ranked.end());
-    for (size_t k = 0; k < std::min(kLookAlike, ranked.size()); ++k)
+    for (size_t k = 0; k < std::min(each, ranked.size()); ++k)
       wanted[ranked[k].second] += -ranked[k].first / static_cast<double>(k + 1);
     const auto behind = std::lower_bound(map.begin(), map.end(), image);
     if (behind != map.end()) wanted[*behind] += similarity(image, *behind);

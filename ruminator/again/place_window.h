@@ -29,7 +29,7 @@ struct Island {
 using Similarity = std::function<double(size_t, size_t)>;
 
 // How many images a window by place has, at most.
-inline constexpr int kPlaceWindowImages = 140;
+inline constexpr int kPlaceWindowImages = 320;
 
 struct PlaceWindow {
   std::vector<WindowCandidate> candidates;  // in order of time

@@ -27,20 +27,40 @@ constexpr double kEnoughByPlace = 0.5;   // the same for windows by place
 // cores.
 constexpr double kWallPerCpuTime = 30;
 
+// What COLMAP's mapper made by itself, by the angle of its first pair, before completion.
+using ColmapModels = std::map<double, std::vector<SparseModel>>;
+
 class Attempts {
  public:
   Attempts(const WindowModelInput& input, const BuildOptions& options, const std::string& folder,
-           const std::atomic<bool>& cancel)
+           const std::atomic<bool>& cancel, ColmapModels* colmap_models)
       : in_(input),
         o_(options),
         folder_(folder),
         cancel_(cancel),
+        colmap_models_(*colmap_models),
         mapper_(options.colmap_program ? options.colmap_program : std::make_shared<ColmapProgram>(options.colmap)),
         completion_(input, options) {
     rotations_ = relative_rotations(in_.camera, in_.images, in_.pairs);
     for (const WindowImage& image : in_.images) keypoint_counts_.push_back(static_cast<int>(image.keypoints.size()));
     const std::vector<int> group = connected_images(static_cast<int>(in_.images.size()), in_.pairs, 1);
     connected_ = static_cast<int>(std::count(group.begin(), group.end(), 0));
+  }
+
+  // Extends what the map knows of the window by further images.
+  void map() {
+    SparseModel known;
+    for (const Sample& sample : in_.front) {
+      const auto image = std::find(in_.utimes_us.begin(), in_.utimes_us.end(), sample.utime_us);
+      if (sample.submap_id == kMapFrame && image != in_.utimes_us.end())
+        known.cam_from_world.emplace(static_cast<int>(image - in_.utimes_us.begin()), sample.cam_from_submap);
+    }
+    if (known.cam_from_world.empty()) return;
+    ++result.attempts;
+    WindowModel candidate = completion_.complete(std::move(known), "the map's poses");
+    candidate.begun = WindowModel::Beginning::kMap;
+    judge_model(in_, rotations_, o_, &candidate);
+    keep(std::move(candidate));
   }
 
   // Builds the global model, and lets COLMAP extend it.
@@ -67,13 +87,17 @@ class Attempts {
   }
 
   void colmap_alone(double angle_deg) {
-    MapperSettings settings = common_settings();
-    settings.init_min_tri_angle_deg = angle_deg;
-    const MapperOutcome outcome = run_mapper("", settings);
-    if (!outcome.models) return;
+    if (!colmap_models_.contains(angle_deg)) {
+      MapperSettings settings = common_settings();
+      settings.init_min_tri_angle_deg = angle_deg;
+      MapperOutcome outcome = run_mapper("", settings);
+      if (!outcome.models) return;
+      colmap_models_[angle_deg] = std::move(*outcome.models);
+    }
+    const std::vector<SparseModel>& models = colmap_models_.at(angle_deg);
     const std::string origin = fmt::format("COLMAP, first pair at {:.0f} degrees", angle_deg);
-    for (const SparseModel& model : *outcome.models) add_rival(completion_.complete(model, origin));
-    for (const SparseModel& model : completion_.joined(*outcome.models))
+    for (const SparseModel& model : models) add_rival(completion_.complete(model, origin));
+    for (const SparseModel& model : completion_.joined(models))
       add_rival(completion_.complete(model, origin + ", two models joined"));
   }
 
@@ -117,14 +141,15 @@ class Attempts {
     std::set<int> images;
   };
 
-  // Returns the candidate of which most images are placed alike by candidates of the other kind, with these images.
+  // Returns the candidate of which most images are placed alike by candidates that were begun in other ways, with these
+  // images. What was begun with the map's poses is a witness only: it has the map's own errors, which are to be mended.
   Confirmed most_confirmed() const {
     Confirmed most;
     for (const WindowModel& c : candidates_) {
-      if (!c.credible) continue;
+      if (!c.credible || c.begun == WindowModel::Beginning::kMap) continue;
       std::set<int> images;
       for (const WindowModel& other : candidates_)
-        if (other.is_global != c.is_global) images.merge(agreeing_images(other.model, c.model));
+        if (other.begun != c.begun) images.merge(agreeing_images(other.model, c.model));
       if (images.size() > most.images.size()) most = {&c, std::move(images)};
     }
     return most;
@@ -186,7 +211,7 @@ class Attempts {
   }
 
   void add_global(WindowModel candidate) {
-    candidate.is_global = true;
+    candidate.begun = WindowModel::Beginning::kGlobal;
     judge_model(in_, rotations_, o_, &candidate);
     keep(std::move(candidate));
   }
@@ -197,7 +222,7 @@ class Attempts {
   void add_rival(WindowModel candidate) {
     judge_model(in_, rotations_, o_, &candidate);
     for (const WindowModel& global : candidates_)
-      if (!in_.by_place && candidate.credible && global.is_global && global.credible)
+      if (!in_.by_place && candidate.credible && global.begun == WindowModel::Beginning::kGlobal && global.credible)
         candidate.credible = compare_shapes(global.model, candidate.model, in_.utimes_us, o_);
     keep(std::move(candidate));
   }
@@ -221,6 +246,7 @@ class Attempts {
   const BuildOptions& o_;
   std::string folder_;
   const std::atomic<bool>& cancel_;
+  ColmapModels& colmap_models_;
   ColmapMapper mapper_;
   ModelCompletion completion_;
   std::vector<RelativeRotation> rotations_;
@@ -267,14 +293,16 @@ Result<> compare_shapes(const SparseModel& global, const SparseModel& rival, con
 namespace {
 
 WindowModelResult attempt(const WindowModelInput& input, const BuildOptions& options, const std::string& folder,
-                          const std::function<void(double)>& progress, const std::atomic<bool>& cancel) {
-  Attempts attempts(input, options, folder, cancel);
+                          const std::function<void(double)>& progress, const std::atomic<bool>& cancel,
+                          ColmapModels* colmap_models) {
+  Attempts attempts(input, options, folder, cancel, colmap_models);
   const std::string database = folder + "/database.db";
   if (const Result<> written = write_colmap_database(database, input.camera, input.images, input.pairs); !written) {
     attempts.result.best = written.error();
     attempts.result.retryable = true;
     return attempts.result;
   }
+  if (input.by_place) attempts.map();
   attempts.global();
   progress(0.5);
   std::array angles_deg = {4.0, 8.0, 16.0};
@@ -308,7 +336,8 @@ WindowModelResult build_window_model(const WindowModelInput& input, const BuildO
                                      const std::string& work_folder, const std::function<void(double)>& progress,
                                      const std::atomic<bool>& cancel) {
   const StageClock clock("ruminator.model");
-  WindowModelResult first = attempt(input, options, work_folder, progress, cancel);
+  ColmapModels colmap_models;
+  WindowModelResult first = attempt(input, options, work_folder, progress, cancel, &colmap_models);
   if (!is_adrift(input, first)) return first;
   // Between sharp and blurred images, noise severs more matches than among sharp or among blurred ones. With a wider
   // limit a real tear may be missed, but a model of the blurred images alone would be useless.
@@ -318,7 +347,7 @@ WindowModelResult build_window_model(const WindowModelInput& input, const BuildO
   std::error_code ignored;  // if it fails, write_colmap_database() reports why
   fs::create_directories(folder, ignored);
   WindowModelResult second = attempt(
-      input, lenient, folder, [](double) {}, cancel);
+      input, lenient, folder, [](double) {}, cancel, &colmap_models);
   const bool has_agreement = second.best && !second.best->agreement.empty();
   WindowModelResult& better = second.cancelled || has_agreement ? second : first;
   const int attempts = first.attempts + second.attempts;

@@ -5,10 +5,10 @@
 // 1. the global model (global_model.h), as it is and extended by COLMAP's mapper;
 // 2. if that leaves images out, or is not credible, COLMAP's mapper alone, from several first pairs;
 // 3. if too few of the images that front_tracker knows are left, because they were torn off (torn_model.h): the same
-//    attempts with a wider limit for tears.
+//    attempts with a wider limit for tears, on the models that COLMAP made before.
 // A window by place is not cut around one motion, and may have parts that nothing but a mistake connects. So a model of
-// it needs a witness: it keeps the images that the global model and one of COLMAP's agree on, and half of all ends the
-// attempts, because the others come into a further window.
+// it needs a witness: of the model that is grown out of the map's poses, the global model and one of COLMAP's, two must
+// agree on an image. Half of all images end the attempts, because the others come into a further window.
 #pragma once
 
 #include <atomic>
@@ -27,8 +27,9 @@ struct WindowModel {
   SparseModel model;
   std::string origin;  // "global model, COLMAP", "COLMAP, first pair at 8 degrees", ...
   ModelQuality quality;
-  bool is_global = false;  // begun with all images at once; else COLMAP began it with a pair
-  int broken_off = 0;      // images left out because nothing determines their position or scale relative to the others
+  enum class Beginning { kMap, kGlobal, kPair };
+  Beginning begun = Beginning::kPair;  // with the map's poses, with all images at once, or by COLMAP with a pair
+  int broken_off = 0;  // images left out because nothing determines their position or scale relative to the others
   bool is_tied_to_front = false;  // front_tracker's poses determine the scales of its parts
   // Median difference between the model's relative rotations and those of the pairs' essential matrices.
   double pair_rotation_deg = 0;

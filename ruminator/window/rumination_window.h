@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,10 +14,13 @@
 
 namespace rumi::ruminator {
 
+// In place of a submap's id: the pose is that in the map. Only windows by place have such samples.
+inline constexpr int32_t kMapFrame = std::numeric_limits<int32_t>::min();
+
 struct Sample {
   int64_t utime_us = 0;
   bool is_keyframe = false;       // whether front_tracker made it a keyframe
-  int32_t submap_id = kNoSubmap;  // the submap in which front_tracker tracked it
+  int32_t submap_id = kNoSubmap;  // the submap in which front_tracker tracked it, or kMapFrame
   SE3 cam_from_submap = {};       // valid if submap_id is set
 };
 

@@ -118,6 +118,23 @@ TEST(Atlas, AFrameInSeveralSubmapsIsWhereTheMapIsThenWhereItWasTracked) {
   EXPECT_EQ(without_big.locate({1'000'000})->owner->submap.key.id, -2);
 }
 
+TEST(Atlas, AKeyframeCountsMoreThanAFrameBetweenKeyframes) {
+  Submap front = make_submap({7, 1}, 1, 9), back = make_submap({7, -1}, 1, 9);
+  back.kind = SubmapKind::kBack;
+  const int64_t between_us = std::find_if(front.frames.begin(), front.frames.end(), [&](const auto& f) {
+                               return front.keyframe(f.second.reference_keyframe)->utime_us != f.first;
+                             })->first;
+  Keyframe& keyframe = back.keyframes.begin()->second;
+  keyframe.utime_us = between_us;
+  back.frames[between_us] = {between_us, keyframe.id, SE3(), back.revision};
+  Atlas atlas;
+  update_atlas(&atlas, front);
+  update_atlas(&atlas, back);
+  EXPECT_EQ(atlas.locate({between_us})->owner->submap.key.id, 1) << "the back submap is not in the map";
+  testing::place_map(&atlas, {{{7, 1}, {}}, {{7, -1}, {}}});
+  EXPECT_EQ(atlas.locate({between_us})->owner->submap.key.id, -1);
+}
+
 TEST(Atlas, FramesOfTwoStreamsThatHaveTheSameTimesAreKeptApart) {
   Atlas atlas;
   Submap first = make_submap({7, 1}, 1, 3), second = make_submap({8, 1}, 2, 5);

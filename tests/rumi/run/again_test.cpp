@@ -58,17 +58,21 @@ TEST_F(FindIslands, AreSubmapsOutsideTheMapAndRowsOfFramesWithoutPoses) {
                              [](const auto& a, const auto& b) { return a.sample.utime_us < b.sample.utime_us; }));
 }
 
-TEST_F(FindIslands, OfTheMapKeyframesAreCandidates) {
-  std::set<int64_t> keyframes;
-  for (const auto& [id, keyframe] : in_map_.keyframes)
-    if (in_map_.frame(keyframe.utime_us)) keyframes.insert(keyframe.utime_us);
-  EXPECT_EQ(utimes_of(find_islands(atlas_, kSession, 0), WindowCandidate::kInMap), keyframes);
+TEST_F(FindIslands, AllFramesOfASmallMapAreCandidates) {
+  std::set<int64_t> frames, keyframes;
+  for (const auto& [utime_us, frame] : in_map_.frames) frames.insert(utime_us);
+  for (const auto& [id, keyframe] : in_map_.keyframes) keyframes.insert(keyframe.utime_us);
+  const Islands islands = find_islands(atlas_, kSession, 0);
+  EXPECT_EQ(utimes_of(islands, WindowCandidate::kInMap), frames);
+  for (const WindowCandidate& c : islands.candidates)
+    if (c.island == WindowCandidate::kInMap)
+      EXPECT_EQ(c.sample.is_keyframe, keyframes.contains(c.sample.utime_us)) << c.sample.utime_us;
 }
 
-TEST_F(FindIslands, SamplesOfFrontSubmapsHaveTheirPoses) {
+TEST_F(FindIslands, SamplesHaveThePosesOfTheMapOrOfTheirFrontSubmap) {
   for (const WindowCandidate& c : find_islands(atlas_, kSession, 0).candidates) {
     const int64_t t = c.sample.utime_us;
-    EXPECT_EQ(c.sample.submap_id, in_map_.frame(t) ? 1 : outside_.frame(t) ? 2 : kNoSubmap) << t;
+    EXPECT_EQ(c.sample.submap_id, in_map_.frame(t) ? ruminator::kMapFrame : outside_.frame(t) ? 2 : kNoSubmap) << t;
   }
 }
 

@@ -125,6 +125,39 @@ TEST(WindowModel, IsTheGlobalOneWithoutColmap) {
 }
 
 // If COLMAP ends with an error, the global model must not be lost either.
+// A window by place without COLMAP, of which the map knows the first half: `moved` is how far wrong, in radians.
+WindowModelResult build_by_place(const TestWindow& w, int known, double moved) {
+  const std::vector<int64_t> utimes_us = utimes_of(w);
+  std::vector<Sample> front;
+  for (int i = 0; i < known; ++i) {
+    const SE3 wrong = SE3::exp((Vector6d() << 0, 0, 0, 0, moved * (i % 2), 0).finished());
+    front.push_back({utimes_us[i], true, kMapFrame, wrong * w.cam_from_world[i]});
+  }
+  const TemporaryFolder folder;
+  const std::atomic<bool> never = false;
+  return build_window_model({w.camera, w.images, utimes_us, w.pairs, front, true}, without_colmap(), folder.path(),
+                            kNoProgress, never);
+}
+
+TEST(WindowModel, ByPlaceGrowsOutOfTheMap) {
+  const TestWindow w = window_with_outliers();
+  const WindowModelResult result = build_by_place(w, 6, 0);
+  ASSERT_TRUE(result.best) << result.best.error_text();
+  EXPECT_EQ(result.best->model.cam_from_world.size(), w.images.size());
+  EXPECT_LT(testing::worst_center_error(w, result.best->model), 0.01);
+}
+
+TEST(WindowModel, ByPlaceNeedsAWitness) {
+  EXPECT_THAT(build_by_place(window_with_outliers(), 0, 0).best.error_text(), HasSubstr("no two of 1 models agree"));
+}
+
+TEST(WindowModel, ByPlaceMendsTheMap) {
+  const TestWindow w = window_with_outliers();
+  const WindowModelResult result = build_by_place(w, 6, 0.5);
+  ASSERT_TRUE(result.best) << result.best.error_text();
+  EXPECT_LT(testing::worst_center_error(w, result.best->model), 0.01);
+}
+
 TEST(WindowModel, SurvivesAColmapThatFails) {
   const TestWindow w = window_with_outliers();
   const TemporaryFolder folder;
