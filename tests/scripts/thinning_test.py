@@ -22,6 +22,7 @@ def pretend(run, in_map, evaluation=None):
     (run / "run" / "frames.csv").write_text("\n".join(["utime,state,submap,in_map", *frames]) + "\n")
     if evaluation:
         (run / "true_path").write_text("10\n")
+        (run / "run" / "trajectory.txt").write_text("".join(f"{t} 0 0 0 0 0 0 1\n" for t in (1, 2, 3)))
         (run / "evaluation.json").write_text(json.dumps(evaluation))
     return run
 
@@ -49,10 +50,14 @@ class Table(unittest.TestCase):
         (cell / "exhaustive").mkdir()
         (cell / "exhaustive" / "skipped").write_text("more than 30 images\n")
         (cell / "images").write_text("40\n")
+        # The frames in the map are at -2, 0 and 2: a spread of sqrt(8 / 3). The truth has more, at other times.
+        (cell / "recording").mkdir()
+        (cell / "recording" / "groundtruth.txt").write_text(
+            "# truth\n.5 9 9 9 0 0 0 1\n1.01 -2 5 0 0 0 0 1\n2 0 5 0 0 0 0 1\n2.99 2 5 0 0 0 0 1\n4 9 9 9 0 0 0 1\n")
         self.assertEqual(self.rows(), [
-            ["stairs", "4", "40", "Rumi", "36", "6", "0.200", "2.00", "64", "exit code 3"],
-            ["stairs", "4", "40", "COLMAP, sequential", "40", "-", "-", "-", "90", "more than 90 CPU s"],
-            ["stairs", "4", "40", "COLMAP, exhaustive", "-", "-", "-", "-", "-", "more than 30 images"]])
+            ["stairs", "4", "40", "Rumi", "36", "6", "0.200", "2.00", "12.2", "64", "exit code 3"],
+            ["stairs", "4", "40", "COLMAP, sequential", "40", "-", "-", "-", "-", "90", "more than 90 CPU s"],
+            ["stairs", "4", "40", "COLMAP, exhaustive", "-", "-", "-", "-", "-", "-", "more than 30 images"]])
 
     def test_what_is_not_done_has_no_row(self):
         (self.out / "stairs" / "4" / "ours").mkdir(parents=True)
