@@ -12,6 +12,10 @@ namespace {
 
 using Placed = std::map<SubmapKey, PlacedSubmap>;
 
+// By this factor the relative pose of two keyframes is less certain if the submap slipped between them: landmarks that
+// were tracked wrong say next to nothing.
+constexpr double kAcrossSlip = 30;
+
 class Bender {
  public:
   Bender(const MapGraphOptions& options, SubmapKey anchor, Placed* submaps) : o_(options), submaps_(*submaps) {
@@ -26,22 +30,24 @@ class Bender {
   }
 
   MapGraphReport run(const std::vector<LinkJoints>& links, const std::function<bool(size_t)>& may_be_wrong) {
+    std::vector<KeyframeJoint> all;
+    for (const LinkJoints& joints : links) all.insert(all.end(), joints.begin(), joints.end());
+    report_.slips = find_slips(all, submaps_);
     for (const auto& [key, placed] : submaps_)
       if (!placed.fixed) add_submap(key, *placed.submap);
     std::vector<std::vector<int>> edges;
     edges.reserve(links.size());
     for (const LinkJoints& joints : links) edges.push_back(add_joints(joints));
     const GraduatedReport solved = solve_graduated({{}, o_.max_joint_chi2}, edges, may_be_wrong, &graph_);
-    MapGraphReport report;
-    report.bent = solved.solved.usable;
-    if (!report.bent) return report;
+    report_.bent = solved.solved.usable;
+    if (!report_.bent) return report_;
     for (const std::vector<int>& of_link : edges) {
-      std::vector<double>& chi2 = report.joint_chi2.emplace_back();
+      std::vector<double>& chi2 = report_.joint_chi2.emplace_back();
       for (const int edge : of_link) chi2.push_back(solved.solved.edge_chi2[edge]);
     }
-    report.is_wrong = solved.is_wrong;
+    report_.is_wrong = solved.is_wrong;
     apply();
-    return report;
+    return report_;
   }
 
  private:
@@ -72,11 +78,17 @@ class Bender {
 
   void add_edge(SubmapKey key, const Submap& submap, const Keyframe& a, const Keyframe& b, int shared) {
     const SE3 b_from_a = b.cam_from_submap * a.cam_from_submap.inverse();
-    const double weaker = std::sqrt(100.0 / shared),
-                 depth = std::max(median_depth(submap, b.cam_from_submap, b.landmark_ids), 1e-6);
+    const double depth = std::max(median_depth(submap, b.cam_from_submap, b.landmark_ids), 1e-6);
+    double weaker = std::sqrt(100.0 / shared);
+    if (is_across_slip(key, a.id, b.id)) weaker *= kAcrossSlip;
     graph_.edges.push_back({node_.at({key, a.id}), node_.at({key, b.id}), Sim3(b_from_a),
                             weaker * o_.sigma_rotation_deg * M_PI / 180, weaker * o_.sigma_translation * depth,
                             weaker * o_.sigma_log_scale, b_from_a.inverse() * Eigen::Vector3d(0, 0, depth)});
+  }
+
+  bool is_across_slip(SubmapKey key, int a, int b) const {
+    return std::any_of(report_.slips.begin(), report_.slips.end(),
+                       [&](const Slip& slip) { return slip.submap == key && slip.is_between(a, b); });
   }
 
   void apply() {
@@ -101,6 +113,7 @@ class Bender {
   Placed& submaps_;
   Sim3Graph graph_;
   std::map<std::pair<SubmapKey, int>, int> node_;
+  MapGraphReport report_;
 };
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bends submaps at their joints: solves a pose graph over all their keyframes, each with a similarity of its own, so
 // that a drift of the scale within a submap is spread along it. This comes before bundle adjustment, which would end in
-// a local minimum if it began that far from the solution.
+// a local minimum if it began that far from the solution. Where a submap slipped, hardly anything holds it together.
 #pragma once
 
 #include <cstddef>
@@ -11,6 +11,7 @@
 
 #include "map_server/links/joint.h"
 #include "map_server/model/map_model.h"
+#include "map_server/model/slips.h"
 
 namespace rumi::map_server {
 
@@ -31,6 +32,7 @@ struct MapGraphReport {
   bool bent = false;                            // false: no submap was changed
   std::vector<std::vector<double>> joint_chi2;  // per link and joint, after bending
   std::vector<bool> is_wrong;                   // by link: whether the others contradict it; such a link has no weight
+  std::vector<Slip> slips;                      // where submaps were not bent, but broken
 };
 
 // Moves the keyframes of the submaps, except the anchor's first keyframe. Landmark positions from an earlier adjustment
