@@ -147,7 +147,8 @@ Mesh repeat(const Mesh& cell, const std::vector<SE3>& map_from_cell, double alik
     has.emplace_back(1, true);
     for (int thing = 1; thing <= things; ++thing) has.back().push_back(rng.uniform(0.0, 1.0) < alike);
   }
-  // What is nearer to a camera is mostly drawn first: the things of all copies, then the building.
+  // Things are mostly nearer to a camera than walls, so they are drawn first: the things of all copies, then the
+  // building.
   for (const Part& part : cell.parts)
     for (size_t copy = 0; copy < map_from_cell.size(); ++copy)
       if (has[copy][static_cast<size_t>(part.thing)]) append(cell, part, map_from_cell[copy], &mesh);

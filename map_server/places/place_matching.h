@@ -59,9 +59,9 @@ std::vector<PlaceMatch> guided_matches(const PlaceNeighbourhood& a, const PlaceN
 struct Witness {
   int visible = 0;
   int found = 0;
-  // Of the visible landmarks, those that are expected to look the same and have others around them, and of these the
-  // ones around which hardly any is found. A detector misses landmarks here and there, but where a thing is missing, a
-  // whole neighbourhood is silent.
+  // Visible landmarks that should look the same and have others around them, and those of them around which hardly any
+  // is found. A detector misses landmarks here and there, but where a thing is missing, a whole neighbourhood is
+  // silent.
   int telling = 0;
   int silent = 0;
 };

@@ -49,7 +49,7 @@ TEST(RepeatingWalks, NothingStandsInTheWay) {
   }
 }
 
-// What a camera sees in one copy is what it sees at the same place of another one.
+// A camera sees the same at the same place of each copy.
 TEST(RepeatingWalks, TheCopiesAreSeenAlike) {
   const Camera camera = default_synth_camera(160, 120);
   for (const Scene& scene : kScenes) {
