@@ -203,6 +203,18 @@ void add_floor_lamp(MeshBuilder& b, const SE3& f, double width, double height) {
   b.box(f, {0, width / 2, height - 0.16}, {width, width, 0.3}, b.look(Material::kWallpaper), true);
 }
 
+void add_door(MeshBuilder& b, const SE3& f, double width, double depth, double height) {
+  const Look frame = b.look(Material::kWood), metal = b.look(Material::kPot);
+  b.begin_part(true);
+  for (const double side : {-0.5, 0.5})
+    b.box(f, {side * (width - 0.06), depth / 2, height / 2}, {0.06, depth, height}, frame);
+  b.box(f, {0, depth / 2, height - 0.03}, {width, depth, 0.06}, frame);
+  b.box(f, {0, depth / 4, height / 2}, {width - 0.12, depth / 2, height}, b.look(Material::kPanelling));
+  b.box(f, {0.35 * width, 0.9 * depth, 1.05}, {0.12, 0.04, 0.03}, metal);
+  b.begin_part(true);
+  b.quad(f, {0.15, 0.6 * depth, 1.7}, {-0.3, 0, 0}, {0, 0, -0.2}, b.look(Material::kPoster));
+}
+
 void add_pillar(MeshBuilder& b, const SE3& f, double width, double height) {
   b.begin_part(true);
   b.box(f, {0, width / 2, height / 2}, {width, width, height},

@@ -17,6 +17,7 @@ void add_box_stack(MeshBuilder& b, const SE3& room_from_local, double width, dou
 void add_chair(MeshBuilder& b, const SE3& room_from_local, double width, double depth, double height);
 void add_plant(MeshBuilder& b, const SE3& room_from_local, double width, double height);
 void add_floor_lamp(MeshBuilder& b, const SE3& room_from_local, double width, double height);
+void add_door(MeshBuilder& b, const SE3& room_from_local, double width, double depth, double height);
 void add_pillar(MeshBuilder& b, const SE3& room_from_local, double width, double height);
 
 }  // namespace rumi::synth

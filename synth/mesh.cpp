@@ -20,6 +20,7 @@ void MeshBuilder::begin_part(bool detailed_light, float glow) {
   part.first_vertex = static_cast<uint32_t>(mesh_.vertices.size());
   part.detailed_light = detailed_light;
   part.glow = glow;
+  part.thing = thing_;
   mesh_.parts.push_back(part);
 }
 
@@ -103,6 +104,57 @@ void MeshBuilder::leaf(const SE3& room_from_local, const Eigen::Vector3d& base, 
   }
 }
 
+namespace {
+
+void set_bounds(const std::vector<Vertex>& vertices, Part* part) {
+  part->low.setConstant(1e9);
+  part->high.setConstant(-1e9);
+  for (uint32_t k = part->first_vertex; k < part->first_vertex + part->vertices; ++k) {
+    const Eigen::Vector3d p = Eigen::Vector3f(vertices[k].position).cast<double>();
+    part->low = part->low.cwiseMin(p);
+    part->high = part->high.cwiseMax(p);
+  }
+}
+
+// Appends a part of the cell to the mesh.
+void append(const Mesh& cell, const Part& part, const SE3& map_from_cell, Mesh* mesh) {
+  Part copy = part;
+  copy.first_index = static_cast<uint32_t>(mesh->indices.size());
+  copy.first_vertex = static_cast<uint32_t>(mesh->vertices.size());
+  for (uint32_t k = part.first_vertex; k < part.first_vertex + part.vertices; ++k) {
+    Vertex vertex = cell.vertices[k];
+    const Eigen::Vector3d at = map_from_cell * Eigen::Vector3f(vertex.position).cast<double>();
+    for (int i = 0; i < 3; ++i) vertex.position[i] = static_cast<float>(at[i]);
+    mesh->vertices.push_back(vertex);
+    mesh->normals.push_back((map_from_cell.rotation * cell.normals[k].cast<double>()).cast<float>());
+  }
+  for (uint32_t k = part.first_index; k < part.first_index + part.indices; ++k)
+    mesh->indices.push_back(cell.indices[k] - part.first_vertex + copy.first_vertex);
+  set_bounds(mesh->vertices, &copy);
+  mesh->parts.push_back(copy);
+}
+
+}  // namespace
+
+Mesh repeat(const Mesh& cell, const std::vector<SE3>& map_from_cell, double alike, uint64_t seed) {
+  Mesh mesh;
+  mesh.atlas = cell.atlas;
+  cv::RNG rng(seed * 7027 + 3);
+  int things = 0;
+  for (const Part& part : cell.parts) things = std::max(things, part.thing);
+  std::vector<std::vector<bool>> has;  // by copy and thing
+  for (size_t copy = 0; copy < map_from_cell.size(); ++copy) {
+    has.emplace_back(1, true);
+    for (int thing = 1; thing <= things; ++thing) has.back().push_back(rng.uniform(0.0, 1.0) < alike);
+  }
+  // Things are mostly nearer to a camera than walls, so they are drawn first: the things of all copies, then the
+  // building.
+  for (const Part& part : cell.parts)
+    for (size_t copy = 0; copy < map_from_cell.size(); ++copy)
+      if (has[copy][static_cast<size_t>(part.thing)]) append(cell, part, map_from_cell[copy], &mesh);
+  return mesh;
+}
+
 Mesh MeshBuilder::finish() {
   for (size_t i = 0; i < mesh_.parts.size(); ++i) {
     Part& part = mesh_.parts[i];
@@ -111,13 +163,7 @@ Mesh MeshBuilder::finish() {
         (last ? static_cast<uint32_t>(mesh_.indices.size()) : mesh_.parts[i + 1].first_index) - part.first_index;
     part.vertices =
         (last ? static_cast<uint32_t>(mesh_.vertices.size()) : mesh_.parts[i + 1].first_vertex) - part.first_vertex;
-    part.low.setConstant(1e9);
-    part.high.setConstant(-1e9);
-    for (uint32_t k = part.first_vertex; k < part.first_vertex + part.vertices; ++k) {
-      const Eigen::Vector3d p = Eigen::Vector3f(mesh_.vertices[k].position).cast<double>();
-      part.low = part.low.cwiseMin(p);
-      part.high = part.high.cwiseMax(p);
-    }
+    set_bounds(mesh_.vertices, &part);
   }
   return std::move(mesh_);
 }

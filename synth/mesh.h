@@ -27,6 +27,7 @@ struct Part {
   Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  // bounding box
   bool detailed_light = false;  // shadows per vertex; otherwise one shadow value per lamp
   float glow = 0;               // > 0: the part shines by itself with this brightness
+  int thing = 0;                // the parts of one thing have the same number; 0: the building itself
 };
 
 struct OccluderBox {
@@ -43,6 +44,9 @@ struct Mesh {
   TextureAtlas atlas;
 };
 
+// Returns the lit mesh as often as there are copies. Each has the whole building, and a share `alike` of the things.
+Mesh repeat(const Mesh& cell, const std::vector<SE3>& map_from_cell, double alike, uint64_t seed);
+
 struct Look {
   Material material;
   Palette palette;
@@ -56,6 +60,9 @@ class MeshBuilder {
   Look look(Material material) { return {material, random_palette(material, rng), px_per_m_}; }
   // Begins a part. Everything that is added until the next begin_part() belongs to it.
   void begin_part(bool detailed_light = false, float glow = 0);
+  // The parts that follow are those of one thing, or of the building.
+  void begin_thing() { thing_ = ++things_; }
+  void end_things() { thing_ = 0; }
   // `corner` is the upper left corner as seen from the front, `u` leads right and `v` down (metres). The quad is split
   // into cells of at most cell_m, so that the light can vary within it.
   void quad(const SE3& room_from_local, const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
@@ -77,6 +84,7 @@ class MeshBuilder {
                   double u, double v, const Palette& palette);
   Mesh mesh_;
   double px_per_m_;
+  int thing_ = 0, things_ = 0;
 };
 
 }  // namespace rumi::synth

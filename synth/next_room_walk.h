@@ -14,10 +14,11 @@
 
 namespace rumi::synth {
 
-// A camera's path, the doorway that it passes, and the hard passages on its way.
+// A camera's path, the doorway that it passes, what repeats, and the hard passages on its way.
 struct Walk {
   CameraPath path;
   std::optional<Doorway> doorway = {};
+  std::optional<Repeats> repeats = {};
   std::vector<HardPassage> hard = {};  // at_s counts from the beginning of the path
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "synth/next_room_walk.h"
+#include "synth/repeating_walks.h"
 
 namespace rumi::synth {
 namespace {
@@ -13,6 +14,13 @@ namespace {
 Result<> range(const char* field, double value, double low, double high, const char* unit) {
   if (value >= low && value <= high) return {};  // NaN fails too
   return Error{fmt::format("{} is {}: must be {} to {}{}", field, value, low, high, unit)};
+}
+
+Result<> check_seconds(WalkKind walk, double seconds) {
+  if (walk == WalkKind::kNextRoom || walk == WalkKind::kTwinRooms)
+    return range("seconds of the walk next-room", seconds, kMinNextRoomSeconds, kMaxNextRoomSeconds, " s");
+  if (walk == WalkKind::kLoop) return {};
+  return range("seconds of a walk through what repeats", seconds, kMinRepeatingSeconds, kMaxRepeatingSeconds, " s");
 }
 
 }  // namespace
@@ -28,15 +36,13 @@ Camera default_synth_camera(int width, int height) {
 }
 
 Result<> SynthOptions::check() const {
-  if (walk == WalkKind::kNextRoom && path_file.empty()) {
-    if (const Result<> fits =
-            range("seconds of the walk next-room", seconds, kMinNextRoomSeconds, kMaxNextRoomSeconds, " s");
-        !fits)
-      return fits;
+  if (path_file.empty()) {
+    if (const Result<> fits = check_seconds(walk, seconds); !fits) return fits;
   }
   for (const Result<>& fits :
        {range("seconds", seconds, 0.1, 3600, " s"), range("rate", rate_hz, 0, 1000, " Hz (0: the path's own times)"),
-        range("start", start_s, 0, 1e6, " s"), range("duration", duration_s, 0, 1e6, " s (0: to the end)"),
+        range("alike", alike, 0, 1, ""), range("start", start_s, 0, 1e6, " s"),
+        range("duration", duration_s, 0, 1e6, " s (0: to the end)"),
         range("blur", exposure_s, 0, 0.2, " s of shutter time"),
         range("max_sub_exposures", max_sub_exposures, 1, 64, ""), range("noise", noise, 0, 20, ""),
         range("exposure_swing", exposure_swing, 0, 0.8, ""), range("jpeg_quality", jpeg_quality, 1, 100, "")})
@@ -54,9 +60,14 @@ Result<> SynthOptions::check() const {
 }
 
 Result<WalkKind> parse_walk_kind(const std::string& name) {
-  if (name == "loop") return WalkKind::kLoop;
-  if (name == "next-room") return WalkKind::kNextRoom;
-  return Error{fmt::format("--walk {}: must be loop or next-room", name)};
+  for (const auto& [known, kind] : {std::pair{"loop", WalkKind::kLoop},
+                                    {"next-room", WalkKind::kNextRoom},
+                                    {"twin-rooms", WalkKind::kTwinRooms},
+                                    {"storeys", WalkKind::kStoreys},
+                                    {"doors", WalkKind::kDoors},
+                                    {"square", WalkKind::kSquare}})
+    if (name == known) return kind;
+  return Error{fmt::format("--walk {}: must be loop, next-room, twin-rooms, storeys, doors or square", name)};
 }
 
 Result<HardPassage::Kind> parse_hard_kind(const std::string& name) {

@@ -31,6 +31,11 @@ Camera default_synth_camera(int width, int height);
 enum class WalkKind {
   kLoop,      // around the middle of a room
   kNextRoom,  // lost on the way into the next room: see next_room_walk.h
+  // Lost in scenes that repeat: see repeating_walks.h.
+  kTwinRooms,
+  kStoreys,
+  kDoors,
+  kSquare,
 };
 
 struct SynthOptions {
@@ -39,6 +44,7 @@ struct SynthOptions {
   double seconds = 20;    // length of the walk without a path file
   double rate_hz = 0;     // 0: the times of the path file; without one, 30
   std::string path_file;  // TUM trajectory (map_from_cam: t tx ty tz qx qy qz qw); empty: the walk above
+  double alike = 1;       // of scenes that repeat: share of the things that each copy has; it leaves out others
   double start_s = 0;     // seconds into the path
   double duration_s = 0;  // seconds of the path; 0: to its end
   Camera camera = default_synth_camera(640, 480);
@@ -54,7 +60,7 @@ struct SynthOptions {
   Result<> check() const;
 };
 
-// Returns the kind named "loop" or "next-room", else an Error.
+// Returns the kind named "loop", "next-room", "twin-rooms", "storeys", "doors" or "square", else an Error.
 Result<WalkKind> parse_walk_kind(const std::string& name);
 // Returns the kind named "blur", "dark", "textureless" or "rotation", else an Error.
 Result<HardPassage::Kind> parse_hard_kind(const std::string& name);

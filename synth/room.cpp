@@ -32,14 +32,17 @@ class Furnisher {
 
   Mesh build() {
     if (shape_.doorway) add_partition(*shape_.doorway);
+    if (shape_.repeats) add_doors(shape_.repeats->doors);
     for (const Box& room : shape_.rooms()) {
       enter(room);
       add_along_walls();
       add_standing();
       add_hanging();
-      for (int wall = 0; wall < 4; ++wall) decorate_wall(wall);
+      for (int wall = 0; wall < 4; ++wall)
+        if (has_wall(wall)) decorate_wall(wall);
       add_rugs();
     }
+    b_.end_things();
     for (const Box& room : shape_.rooms()) {
       enter(room);
       add_shell();
@@ -70,6 +73,7 @@ class Furnisher {
     at.z() = room_.low.z();
     return SE3(so3_exp({0, 0, wall * M_PI / 2}), at);
   }
+  bool has_wall(int wall) const { return !shape_.repeats || shape_.repeats->walls[wall]; }
   // Returns the doorway's x and z in the frame of a wall; empty if the wall has no doorway.
   cv::Rect2d opening_in(int wall) const {
     if (!shape_.doorway || wall % 2 == 0) return {};
@@ -105,6 +109,7 @@ class Furnisher {
       if (box.overlaps(other, 0.04)) return false;
     if (clearance(box) < kClearance_m) return false;
     taken_.push_back(box);
+    b_.begin_thing();
     return true;
   }
   SE3 at(const SE3& frame, double x, double y, double yaw = 0) const {
@@ -137,6 +142,7 @@ class Furnisher {
 
   void add_along_walls() {
     for (int wall = 0; wall < 4; ++wall) {
+      if (!has_wall(wall)) continue;
       const SE3 frame = wall_frame(wall);
       const double end = wall_width(wall) / 2 - 0.1;
       for (double x = -end + b_.uniform(0, 0.3); x < end - 0.5;) {
@@ -208,6 +214,7 @@ class Furnisher {
       if (std::any_of(used.begin(), used.end(), [&](const cv::Rect2d& o) { return (grown & o).area() > 0; })) continue;
       if ((grown & opening).area() > 0) continue;
       used.push_back(r);
+      b_.begin_thing();
       b_.begin_part(!window, window ? 1.15f : 0);
       const double relief = material == Material::kPoster || material == Material::kPaper ? 0.004 : 0.02;
       b_.quad(frame, {r.x + w, relief, r.y + h}, {-w, 0, 0}, {0, 0, -h}, b_.look(material));
@@ -223,6 +230,7 @@ class Furnisher {
       const cv::Rect2d r(b_.uniform(0.3, size_.x() - 0.3 - w), b_.uniform(0.3, size_.y() - 0.3 - d), w, d);
       if (std::any_of(used.begin(), used.end(), [&](const cv::Rect2d& o) { return (r & o).area() > 0; })) continue;
       used.push_back(r);
+      b_.begin_thing();
       b_.begin_part(true);
       Look rug = b_.look(Material::kCarpet);
       rug.px_per_m = std::min(rug.px_per_m, 1.5 * surface_px_per_m_);
@@ -266,13 +274,24 @@ class Furnisher {
     taken_.push_back({middle - reach, middle + reach + Vector3d(0, 0, door.height_m)});
   }
 
+  // Adds closed doors. Nothing stands before them.
+  void add_doors(const std::array<std::vector<double>, 4>& doors) {
+    enter(shape_.rooms().front());
+    for (int wall = 0; wall < 4; ++wall)
+      for (const double x : doors[wall]) {
+        const SE3 frame = at(wall_frame(wall), x, 0.01);
+        add_door(b_, frame, 0.95, 0.08, 2.1);
+        taken_.push_back(bounds(frame, 1.05, 0.5, 2.2));
+      }
+  }
+
   // Adds walls, floor and ceiling. They come last: things before them are drawn first and hide their pixels.
   void add_shell() {
     const Material walls[] = {Material::kBrick, Material::kWallpaper, Material::kPlaster, Material::kPanelling,
                               Material::kStone};
     const int first = b_.rng.uniform(0, 5);
     for (int wall = 0; wall < 4; ++wall) {
-      if (!opening_in(wall).empty()) continue;  // add_partition() has built it
+      if (!has_wall(wall) || !opening_in(wall).empty()) continue;  // add_partition() has built the latter
       const double w = wall_width(wall), h = size_.z();
       surface(wall_frame(wall), {w / 2, 0, h}, {-w, 0, 0}, {0, 0, -h}, b_.look(walls[(first + wall) % 5]));
     }
@@ -292,52 +311,6 @@ class Furnisher {
 };
 
 }  // namespace
-
-std::vector<Box> RoomShape::rooms() const {
-  if (!doorway) return {{low, high}};
-  const double half_wall_m = doorway->wall_m / 2;
-  std::vector<Box> rooms{{low, high}, {low, high}};
-  rooms[0].high.x() = doorway->at.x() - half_wall_m;
-  rooms[1].low.x() = doorway->at.x() + half_wall_m;
-  return rooms;
-}
-
-RoomShape fit_room(const CameraPath& path, uint64_t seed, const std::optional<Doorway>& doorway) {
-  RoomShape shape;
-  shape.doorway = doorway;
-  const Eigen::Quaterniond upright = shortest_turn(path.up(), Vector3d::UnitZ());
-  // Points about 5 cm apart are enough to keep furniture away from the path.
-  const double begin = path.times_s().front(), end = path.times_s().back();
-  const int samples = std::clamp(static_cast<int>(path.times_s().size()), 2, 1500);
-  std::vector<cv::Point2f> ground;
-  for (int i = 0; i < samples; ++i) {
-    shape.path.push_back(upright * path.at(begin + (end - begin) * i / (samples - 1)).translation);
-    ground.emplace_back(static_cast<float>(shape.path.back().x()), static_cast<float>(shape.path.back().y()));
-  }
-  const double angle = doorway ? 0 : cv::minAreaRect(ground).angle * M_PI / 180;
-  const Eigen::Quaterniond turn = so3_exp({0, 0, -angle});
-  shape.room_from_map = SE3(turn * upright, Vector3d::Zero());
-  shape.low.setConstant(1e9);
-  shape.high.setConstant(-1e9);
-  for (Vector3d& p : shape.path) {
-    p = turn * p;
-    shape.low = shape.low.cwiseMin(p);
-    shape.high = shape.high.cwiseMax(p);
-  }
-  cv::RNG rng(seed * 31 + 5);
-  for (int axis = 0; axis < 2; ++axis) {
-    shape.low[axis] -= rng.uniform(1.3, 2.0);
-    shape.high[axis] += rng.uniform(1.3, 2.0);
-    const double missing = 4.0 - (shape.high[axis] - shape.low[axis]);
-    if (missing > 0) {
-      shape.low[axis] -= missing / 2;
-      shape.high[axis] += missing / 2;
-    }
-  }
-  shape.low.z() -= 1.35;
-  shape.high.z() += 1.0;
-  return shape;
-}
 
 Mesh build_room(const RoomShape& shape, uint64_t seed, double focal_px) {
   return Furnisher(shape, seed, focal_px).build();

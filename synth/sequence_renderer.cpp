@@ -13,6 +13,7 @@
 #include "synth/lens.h"
 #include "synth/next_room_walk.h"
 #include "synth/rasterizer.h"
+#include "synth/repeating_walks.h"
 #include "synth/room.h"
 
 namespace rumi::synth {
@@ -41,7 +42,20 @@ double amount(const std::vector<HardPassage>& passages, HardPassage::Kind kind, 
 Walk make_walk(const SynthOptions& options) {
   or_throw(options.check());
   if (!options.path_file.empty()) return {.path = or_throw(CameraPath::load(options.path_file))};
-  if (options.walk == WalkKind::kNextRoom) return walk_to_next_room(options.seconds, options.seed);
+  switch (options.walk) {
+    case WalkKind::kNextRoom:
+      return walk_to_next_room(options.seconds, options.seed);
+    case WalkKind::kTwinRooms:
+      return walk_to_twin_room(options.seconds, options.seed);
+    case WalkKind::kStoreys:
+      return walk_up_storeys(options.seconds, options.seed);
+    case WalkKind::kDoors:
+      return walk_past_doors(options.seconds, options.seed);
+    case WalkKind::kSquare:
+      return walk_round_square(options.seconds, options.seed);
+    case WalkKind::kLoop:
+      break;
+  }
   return {.path = CameraPath::walk(options.seconds, options.seed)};
 }
 
@@ -63,12 +77,13 @@ struct SequenceRenderer::Impl {
     choose_times();
     const double begin = times_s.front(), end = times_s.back();
     // The room holds the whole path even if only a part is asked for, so that all parts of a path have the same room.
-    shape = fit_room(path, options.seed, walk.doorway);
+    shape = walk.repeats ? fit_cell(path, *walk.repeats, walk.doorway) : fit_room(path, options.seed, walk.doorway);
     first_s = begin;
     if (end <= begin)
       throw std::runtime_error("the sequence has fewer than two frames; give more seconds or a higher rate");
     Mesh mesh = build_room(shape, options.seed, options.camera.fx);
     bake_light(mesh, shape);
+    if (walk.repeats) mesh = repeat(mesh, walk.repeats->copies, options.alike, options.seed);
     rasterizer = std::make_unique<Rasterizer>(std::move(mesh), lens.pinhole());
   }
 

@@ -184,7 +184,11 @@ class PlaceAligner {
       for (const PlaceView& witness : to.witnesses) {
         const Witness w = hear_witness(from, *to.submap, witness, to_from_from, o_.witness_radius_px, o_.matching);
         result_.heard.push_back(w);
-        bear_out += w.found >= o_.min_witness_found && w.found >= o_.min_witness_ratio * w.visible;
+        if (w.found < o_.min_witness_found || w.found < o_.min_witness_ratio * w.visible) continue;
+        ++bear_out;
+        // A witness that sees little of the place is elsewhere, or behind something: it does not speak against it.
+        result_.telling += w.telling;
+        result_.silent += w.silent;
       }
       return bear_out;
     };
@@ -213,6 +217,9 @@ class PlaceAligner {
     if (std::min(r.witnesses_a, r.witnesses_b) < o_.min_witnesses)
       return fmt::format("{} of {} and {} of {} further keyframes of the two places bear it out, {} wanted",
                          r.witnesses_a, a_.witnesses.size(), r.witnesses_b, b_.witnesses.size(), o_.min_witnesses);
+    if (r.silent > o_.max_silent_ratio * r.telling)
+      return fmt::format("around {} of {} landmarks hardly any is seen where it should be: it only looks alike",
+                         r.silent, r.telling);
     return {};
   }
 

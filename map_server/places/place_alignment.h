@@ -45,6 +45,9 @@ struct PlaceAlignmentOptions {
   int min_witness_found = 20;      // least number of the other place's landmarks that a witness sees
   double min_witness_ratio = 0.2;  // least share of those that should be in view of the witness
   int min_witnesses = 2;           // least number of witnesses of each place that confirm the alignment
+  // Largest share of silent landmarks (see Witness) of these witnesses: where buildings repeat, much agrees, but
+  // things are missing.
+  double max_silent_ratio = 0.35;
 };
 
 struct PlaceAlignment {
@@ -62,6 +65,7 @@ struct PlaceAlignment {
   double sigma_rotation_deg = 0, sigma_log_scale = 0;
   double sigma_translation = 0;          // standard deviation, as a share of the median depth
   int witnesses_a = 0, witnesses_b = 0;  // keyframes that the alignment does not use and that confirm it
+  int telling = 0, silent = 0;           // sums of Witness::telling and silent of those that confirm it
   std::vector<Witness> heard;            // witnesses of a, then those of b
   std::string doubt;                     // why the alignment is refused, with the numbers; empty if it is accepted
 };

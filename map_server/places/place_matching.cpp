@@ -5,11 +5,18 @@
 #include <cmath>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "slam/features/matching.h"
 
 namespace rumi::map_server {
 namespace {
+
+// A landmark's neighbourhood is the kNeighbours nearest ones within kAround of the image's width, at about its depth.
+constexpr size_t kNeighbours = 12;
+constexpr double kAround = 0.1, kDepthLog = 0.15;
+constexpr int kMostFound = 1;            // a neighbourhood in which at most so many are found is silent
+constexpr double kSameLookCosine = 0.9;  // of the angle between two rays to a landmark that looks the same from both
 
 // Keeps the first match of each landmark on both sides.
 std::vector<PlaceMatch> one_to_one(const std::vector<PlaceMatch>& ranked, size_t landmarks_a, size_t landmarks_b) {
@@ -26,6 +33,8 @@ std::vector<PlaceMatch> one_to_one(const std::vector<PlaceMatch>& ranked, size_t
 struct Prediction {
   Eigen::Vector2f pixel;  // undistorted pixel
   double octave = 0;
+  double depth = 0;   // in the unit of `to`
+  double cosine = 1;  // of the angle between the rays from the two places
 };
 
 // Projects landmarks of one place into keyframes of the other place.
@@ -59,7 +68,7 @@ class Projector {
     const double octave = from_.octave(seen) * octaves_per_octave_ + std::log(size_ratio) / log_factor_;
     if (octave < -options_.octave_tolerance || octave > to_.pyramid.levels - 1 + options_.octave_tolerance)
       return std::nullopt;
-    return Prediction{pixel.cast<float>(), octave};
+    return Prediction{pixel.cast<float>(), octave, in_cam.z(), ray.dot(ray_here) / (ray.norm() * ray_here.norm())};
   }
 
   // Calls visit(keypoint, Hamming distance, most similar sighting) for each keypoint that may observe the landmark.
@@ -93,6 +102,34 @@ class Projector {
   const double log_factor_;          // log scale factor of the pyramid of `to`
   const double octaves_per_octave_;  // levels of the pyramid of `to` per level of the pyramid of `from`
 };
+
+struct Expected {
+  Eigen::Vector2f pixel;
+  double log_depth;
+  bool found;
+};
+
+void count_silent(std::vector<Expected> all, float radius_px, Witness* result) {
+  const auto left_of = [](const Expected& x, const Expected& y) { return x.pixel.x() < y.pixel.x(); };
+  std::stable_sort(all.begin(), all.end(), left_of);
+  std::vector<std::pair<float, bool>> around;  // squared distance, and whether it is found
+  auto first = all.begin();
+  for (const Expected& one : all) {
+    while (first->pixel.x() < one.pixel.x() - radius_px) ++first;
+    around.clear();
+    for (auto other = first; other != all.end() && other->pixel.x() <= one.pixel.x() + radius_px; ++other) {
+      const float distance = (other->pixel - one.pixel).squaredNorm();
+      if (distance <= radius_px * radius_px && std::abs(other->log_depth - one.log_depth) <= kDepthLog)
+        around.emplace_back(distance, other->found);
+    }
+    if (around.size() < kNeighbours) continue;
+    const auto end = around.begin() + kNeighbours;
+    std::nth_element(around.begin(), end - 1, around.end());
+    ++result->telling;
+    result->silent +=
+        std::count_if(around.begin(), end, [](const auto& neighbour) { return neighbour.second; }) <= kMostFound;
+  }
+}
 
 }  // namespace
 
@@ -160,6 +197,7 @@ Witness hear_witness(const PlaceNeighbourhood& from, const Submap& to, const Pla
                      const Sim3& to_from_from, double radius_px, const PlaceMatchOptions& options) {
   const Projector projector(from, to, to_from_from, options);
   Witness result;
+  std::vector<Expected> telling;
   for (const PlaceLandmark& landmark : from.landmarks) {
     const auto at = projector.predict(landmark, witness.keyframe->cam_from_submap);
     if (!at) continue;
@@ -167,7 +205,10 @@ Witness hear_witness(const PlaceNeighbourhood& from, const Submap& to, const Pla
     bool found = false;
     projector.search(landmark, *at, witness, radius_px, [&](int, int, const PlaceSighting&) { found = true; });
     result.found += found;
+    if (at->cosine >= kSameLookCosine && at->octave >= 0 && at->octave <= to.pyramid.levels - 1)
+      telling.push_back({at->pixel, std::log(at->depth), found});
   }
+  count_silent(std::move(telling), static_cast<float>(kAround * to.camera.width), &result);
   return result;
 }
 

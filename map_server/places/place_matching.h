@@ -59,6 +59,11 @@ std::vector<PlaceMatch> guided_matches(const PlaceNeighbourhood& a, const PlaceN
 struct Witness {
   int visible = 0;
   int found = 0;
+  // Visible landmarks that should look the same and have others around them, and those of them around which hardly any
+  // is found. A detector misses landmarks here and there, but where a thing is missing, a whole neighbourhood is
+  // silent.
+  int telling = 0;
+  int silent = 0;
 };
 Witness hear_witness(const PlaceNeighbourhood& from, const Submap& to, const PlaceView& witness,
                      const Sim3& to_from_from, double radius_px, const PlaceMatchOptions& options);

@@ -87,7 +87,12 @@ void add_synth_command(CommandLine& app, std::function<int()>* chosen) {
   sub->add_option(
          "--walk", f->walk,
          "without --path: loop, a walk about in a room; next-room, a walk into a second room, with a dark turn in "
-         "the doorway between them, of which nothing is seen from either room")
+         "the doorway between them, of which nothing is seen from either room; or a walk in a scene that repeats, on "
+         "which nothing is seen for a while: twin-rooms (next-room, and the second room equals the first), storeys, "
+         "doors (of a corridor), square (four equal sides)")
+      ->show_default();
+  sub->add_option("--alike", f->synth.alike,
+                  "in a scene that repeats: share of the things that each copy has; it leaves out others than the rest")
       ->show_default();
   sub->add_option("--seconds", f->synth.seconds, "length of the walk without --path")->show_default();
   sub->add_option("--rate", f->synth.rate_hz, "images per second; 0: 30, or the times of --path")->show_default();

@@ -195,6 +195,9 @@ TEST(Sequence, OptionErrorsNameTheField) {
   EXPECT_THAT(error([](SynthOptions& o) { o.walk = WalkKind::kNextRoom; }), HasSubstr("seconds of the walk next-room"));
   EXPECT_EQ(parse_walk_kind("next-room"), WalkKind::kNextRoom);
   EXPECT_THAT(parse_walk_kind("moon").error_text(), HasSubstr("moon"));
+  EXPECT_EQ(parse_walk_kind("storeys"), WalkKind::kStoreys);
+  EXPECT_THAT(error([](SynthOptions& o) { o.walk = WalkKind::kSquare; }), HasSubstr("what repeats is 6"));
+  EXPECT_THAT(error([](SynthOptions& o) { o.alike = 1.5; }), HasSubstr("alike is 1.5"));
 }
 
 TEST(WriteSequence, MakesATumFolder) {

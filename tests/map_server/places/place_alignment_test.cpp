@@ -183,6 +183,7 @@ TEST(PlaceAlignment, EveryThresholdRefusesWithItsNumbers) {
   refused([](O* o) { o->min_witness_found = 10'000; }, "further keyframes");
   refused([](O* o) { o->min_witness_ratio = 1.1; }, "further keyframes");
   refused([](O* o) { o->min_witnesses = 7; }, "further keyframes");
+  refused([](O* o) { o->max_silent_ratio = -1; }, "hardly any is seen where it should be");
 }
 
 TEST(PlaceAlignment, TwoThatExplainAsMuchAreRefused) {
