@@ -60,6 +60,25 @@ Sample sample_in_map(int64_t utime_us, const LocatedFrame& located, bool is_keyf
           .cam_from_submap = located.cam_from_map()};
 }
 
+// Returns candidates in order of time, thinned.
+std::vector<WindowCandidate> choose_candidates(const std::vector<WindowCandidate>& of_islands,
+                                               const std::vector<WindowCandidate>& of_map,
+                                               const std::vector<WindowCandidate>& between_keyframes) {
+  std::vector<WindowCandidate> all;
+  const auto take = [&all](const std::vector<WindowCandidate>& some, size_t most) {
+    const std::vector<WindowCandidate> chosen = thinned(some, most);
+    all.insert(all.end(), chosen.begin(), chosen.end());
+  };
+  take(of_islands, kMostCandidates);
+  take(of_map, kMostCandidates);
+  // Front_tracker's pose of a frame between keyframes may be wrong where the camera turns fast.
+  const size_t enough = std::min(of_islands.size(), kMostCandidates);
+  take(between_keyframes, enough - std::min(of_map.size(), enough));
+  std::sort(all.begin(), all.end(),
+            [](const WindowCandidate& a, const WindowCandidate& b) { return a.sample.utime_us < b.sample.utime_us; });
+  return all;
+}
+
 }  // namespace
 
 Islands find_islands(const Atlas& atlas, int64_t session, int64_t stream) {
@@ -95,17 +114,7 @@ Islands find_islands(const Atlas& atlas, int64_t session, int64_t stream) {
     ++result.frames;
     of_islands.push_back({sample_of(image.utime_us, owner), island});
   }
-  const auto take = [&result](const std::vector<WindowCandidate>& some, size_t most) {
-    const std::vector<WindowCandidate> chosen = thinned(some, most);
-    result.candidates.insert(result.candidates.end(), chosen.begin(), chosen.end());
-  };
-  take(of_islands, kMostCandidates);
-  take(of_map, kMostCandidates);
-  // Front_tracker's pose of a frame between keyframes may be wrong where the camera turns fast.
-  const size_t enough = std::min(of_islands.size(), kMostCandidates);
-  take(between_keyframes, enough - std::min(of_map.size(), enough));
-  std::sort(result.candidates.begin(), result.candidates.end(),
-            [](const WindowCandidate& a, const WindowCandidate& b) { return a.sample.utime_us < b.sample.utime_us; });
+  result.candidates = choose_candidates(of_islands, of_map, between_keyframes);
   return result;
 }
 

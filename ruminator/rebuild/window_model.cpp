@@ -27,7 +27,7 @@ constexpr double kEnoughByPlace = 0.5;   // the same for windows by place
 // cores.
 constexpr double kWallPerCpuTime = 30;
 
-// What COLMAP's mapper made by itself, by the angle of its first pair, before completion.
+// Models that COLMAP's mapper began itself, by the angle of its first pair, before completion.
 using ColmapModels = std::map<double, std::vector<SparseModel>>;
 
 class Attempts {
