@@ -29,8 +29,9 @@ class OverLimit(Exception):
 class Colmap:
     """Runs COLMAP's programs, one after the other, within one limit of CPU time."""
 
-    def __init__(self, limit_s, cpu_s=0.0):
-        self.limit_s, self.cpu_s = limit_s, cpu_s
+    def __init__(self, limit_s):
+        self.limit_s, self.cpu_s = limit_s, 0.0
+        self.before_s = 0.0  # CPU time of earlier processes that counts as ours
 
     def run(self, *arguments):
         def limit():
@@ -45,9 +46,6 @@ class Colmap:
         if self.cpu_s >= self.limit_s - 1:
             raise OverLimit
         return code == 0
-
-    # CPU time of earlier processes that counts as ours.
-    before_s = 0.0
 
 
 def camera_of(text):

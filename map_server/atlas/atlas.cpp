@@ -30,12 +30,6 @@ bool hangs_on_placed_keyframe(const AtlasSubmap& owner, const FramePose& frame) 
   return keyframe && (places.empty() || places.contains(keyframe->utime_us));
 }
 
-// True if the image is itself a keyframe, so that the adjustment of the map has moved it.
-bool is_keyframe(const Submap& submap, const FramePose& frame) {
-  const Keyframe* keyframe = submap.keyframe(frame.reference_keyframe);
-  return keyframe && keyframe->utime_us == frame.utime_us;
-}
-
 bool is_between_its_frames(ImageId image, const Submap& submap) {
   return image.stream == submap.stream && !submap.frames.empty() && submap.frames.begin()->first <= image.utime_us &&
          image.utime_us <= submap.frames.rbegin()->first;
@@ -55,6 +49,11 @@ std::string describe(const std::set<SubmapKey>& submaps) {
             [](int a, int b) { return std::pair(std::abs(a), -a) < std::pair(std::abs(b), -b); });
   if (ids.size() == 1) return fmt::format("submap {}", ids[0]);
   return fmt::format("submaps {} and {}", fmt::join(ids.begin(), ids.end() - 1, ", "), ids.back());
+}
+
+bool LocatedFrame::is_keyframe() const {
+  const Keyframe* keyframe = owner->submap.keyframe(frame->reference_keyframe);
+  return keyframe && keyframe->utime_us == frame->utime_us;
 }
 
 PoseSigmas LocatedFrame::sigmas() const {
@@ -293,7 +292,7 @@ std::optional<LocatedFrame> Atlas::locate(ImageId image) const {
         record != frames_.end() && s.submap.key == SubmapKey{record->second.session, record->second.submap_id};
     const FramePose& frame = *s.submap.frame(image.utime_us);
     const bool follows = s.in_map && !hangs_on_placed_keyframe(s, frame);
-    const bool was_adjusted = s.in_map && is_keyframe(s.submap, frame);
+    const bool was_adjusted = s.in_map && LocatedFrame{&s, &frame}.is_keyframe();
     return std::make_tuple(!s.in_map, follows, !was_adjusted, !tracked_in, s.submap.kind != SubmapKind::kFront);
   };
   const AtlasSubmap* best = nullptr;

@@ -50,6 +50,8 @@ struct LocatedFrame {
   const AtlasSubmap* owner = nullptr;
   const FramePose* frame = nullptr;
   SE3 cam_from_submap() const { return owner->submap.cam_from_submap(*frame); }
+  // True if the image is itself a keyframe, which the adjustment of the map moves.
+  bool is_keyframe() const;
   // The owner must be in the map.
   SE3 cam_from_map() const { return owner->placement.cam_from_map(owner->submap, *frame); }
   // Returns the deviations of the pose, in the map's unit if the owner is in the map, otherwise in the submap's.

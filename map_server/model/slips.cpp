@@ -66,11 +66,12 @@ std::vector<Slip> find_slips(const std::vector<KeyframeJoint>& joints,
                              const std::map<SubmapKey, PlacedSubmap>& submaps) {
   std::vector<Slip> slips;
   for (const auto& [key, placed] : submaps) {
+    if (placed.fixed) continue;
     const std::vector<KeyframeJoint> inner = within(key, joints);
     const size_t before = slips.size();
     for (const KeyframeJoint& joint : inner) {
       const double change = change_of_scale(joint);
-      if (placed.fixed || !(change > kLeastChange && change < kMostChange)) continue;
+      if (!(change > kLeastChange && change < kMostChange)) continue;
       const bool is_told = std::any_of(slips.begin() + static_cast<long>(before), slips.end(),
                                        [&](const Slip& slip) { return slip.is_between(joint.a.id, joint.b.id); });
       if (is_told) continue;

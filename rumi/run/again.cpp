@@ -34,28 +34,19 @@ std::vector<T> thinned(const std::vector<T>& all, size_t most) {
   return some;
 }
 
-std::set<int64_t> keyframes_in_map(const Atlas& atlas, int64_t stream) {
-  std::set<int64_t> utimes_us;
-  for (const auto& [key, owner] : atlas.submaps())
-    if (owner.in_map && owner.submap.stream == stream)
-      for (const auto& [id, keyframe] : owner.submap.keyframes) utimes_us.insert(keyframe.utime_us);
-  return utimes_us;
-}
-
 // A frame of a front submap is a sample with a pose.
-Sample sample_of(int64_t utime_us, const AtlasSubmap* owner) {
+Sample sample_outside_map(int64_t utime_us, const std::optional<LocatedFrame>& located) {
   Sample sample{.utime_us = utime_us};
-  const FramePose* frame = owner ? owner->submap.frame(utime_us) : nullptr;
-  if (!frame || owner->submap.kind != SubmapKind::kFront) return sample;
-  sample.submap_id = owner->submap.key.id;
-  sample.cam_from_submap = owner->submap.cam_from_submap(*frame);
-  for (const auto& [id, keyframe] : owner->submap.keyframes) sample.is_keyframe |= keyframe.utime_us == utime_us;
+  if (!located || located->owner->submap.kind != SubmapKind::kFront) return sample;
+  sample.submap_id = located->owner->submap.key.id;
+  sample.cam_from_submap = located->cam_from_submap();
+  sample.is_keyframe = located->is_keyframe();
   return sample;
 }
 
-Sample sample_in_map(int64_t utime_us, const LocatedFrame& located, bool is_keyframe) {
+Sample sample_in_map(int64_t utime_us, const LocatedFrame& located) {
   return {.utime_us = utime_us,
-          .is_keyframe = is_keyframe,
+          .is_keyframe = located.is_keyframe(),
           .submap_id = ruminator::kMapFrame,
           .cam_from_submap = located.cam_from_map()};
 }
@@ -85,7 +76,6 @@ Islands find_islands(const Atlas& atlas, int64_t session, int64_t stream) {
   Islands result;
   std::map<SubmapKey, int> id_of;  // of the islands that are submaps
   std::vector<WindowCandidate> of_islands, of_map, between_keyframes;
-  const std::set<int64_t> keyframes = keyframes_in_map(atlas, stream);
   bool in_row = false;  // the frame before has no pose either
   const auto begin_island = [&result] {
     result.all.push_back({.id = static_cast<int>(result.all.size())});
@@ -98,8 +88,7 @@ Islands find_islands(const Atlas& atlas, int64_t session, int64_t stream) {
     const bool continues_row = !owner && in_row;
     in_row = !owner;
     if (owner && owner->in_map) {
-      const bool is_keyframe = keyframes.contains(image.utime_us);
-      (is_keyframe ? of_map : between_keyframes).push_back({sample_in_map(image.utime_us, *located, is_keyframe)});
+      (located->is_keyframe() ? of_map : between_keyframes).push_back({sample_in_map(image.utime_us, *located)});
       continue;
     }
     int island = continues_row ? result.all.back().id : -1;
@@ -112,7 +101,7 @@ Islands find_islands(const Atlas& atlas, int64_t session, int64_t stream) {
     }
     ++result.all[static_cast<size_t>(island)].frames;
     ++result.frames;
-    of_islands.push_back({sample_of(image.utime_us, owner), island});
+    of_islands.push_back({sample_outside_map(image.utime_us, located), island});
   }
   result.candidates = choose_candidates(of_islands, of_map, between_keyframes);
   return result;

@@ -136,10 +136,8 @@ void ModelCompletion::complete_images(SparseModel* model) const {
 
 std::set<int> ModelCompletion::known_to_front() const {
   std::set<int> known;
-  for (const Sample& sample : in_.front) {
-    const auto image = std::find(in_.utimes_us.begin(), in_.utimes_us.end(), sample.utime_us);
-    if (image != in_.utimes_us.end()) known.insert(static_cast<int>(image - in_.utimes_us.begin()));
-  }
+  for (const Sample& sample : in_.front)
+    if (const std::optional<int> image = in_.image_of(sample)) known.insert(*image);
   return known;
 }
 

@@ -50,11 +50,9 @@ class Attempts {
   // Extends what the map knows of the window by further images.
   void map() {
     SparseModel known;
-    for (const Sample& sample : in_.front) {
-      const auto image = std::find(in_.utimes_us.begin(), in_.utimes_us.end(), sample.utime_us);
-      if (sample.submap_id == kMapFrame && image != in_.utimes_us.end())
-        known.cam_from_world.emplace(static_cast<int>(image - in_.utimes_us.begin()), sample.cam_from_submap);
-    }
+    for (const Sample& sample : in_.front)
+      if (const std::optional<int> image = in_.image_of(sample); image && sample.submap_id == kMapFrame)
+        known.cam_from_world.emplace(*image, sample.cam_from_submap);
     if (known.cam_from_world.empty()) return;
     ++result.attempts;
     WindowModel candidate = completion_.complete(std::move(known), "the map's poses");

@@ -11,8 +11,10 @@
 // agree on an image. Half of all images end the attempts, because the others come into a further window.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,6 +54,13 @@ struct WindowModelInput {
   const std::vector<ImagePair>& pairs;
   const std::vector<Sample>& front;  // samples for which front_tracker has poses
   bool by_place = false;             // see RuminationWindow
+
+  // Returns the index of the image of a sample; nullopt if it has none.
+  std::optional<int> image_of(const Sample& sample) const {
+    const auto found = std::find(utimes_us.begin(), utimes_us.end(), sample.utime_us);
+    if (found == utimes_us.end()) return std::nullopt;
+    return static_cast<int>(found - utimes_us.begin());
+  }
 };
 
 // Sets agreement, pair_rotation_deg and credible of a candidate whose model and quality are set already. `rotations`:

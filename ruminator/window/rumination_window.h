@@ -19,7 +19,7 @@ inline constexpr int32_t kMapFrame = std::numeric_limits<int32_t>::min();
 
 struct Sample {
   int64_t utime_us = 0;
-  bool is_keyframe = false;       // whether front_tracker made it a keyframe
+  bool is_keyframe = false;       // of front_tracker, or of any submap in the map if submap_id is kMapFrame
   int32_t submap_id = kNoSubmap;  // the submap in which front_tracker tracked it, or kMapFrame
   SE3 cam_from_submap = {};       // valid if submap_id is set
 };

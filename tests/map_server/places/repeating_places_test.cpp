@@ -294,7 +294,6 @@ TEST(RepeatingPlaces, HardlyAnyIsJoined) {
     for (unsigned seed = 1; seed <= kSeeds; ++seed) of_kind += join(kind.make(seed)).has_value();
     std::printf("%-18s %d of %u accepted\n", kind.name, of_kind, kSeeds);
     std::fflush(stdout);
-    fflush(stdout);
     accepted += of_kind;
   }
   std::printf("impossible joins: %d of 400 accepted\n", accepted);
@@ -316,7 +315,6 @@ TEST(RepeatingPlaces, AlmostAllThatAreSeenAgainAreJoined) {
     }
     std::printf("%-18s %d of %u accepted\n", kind.name, of_kind, kSeeds);
     std::fflush(stdout);
-    fflush(stdout);
     accepted += of_kind;
   }
   std::printf("possible joins: %d of 400 accepted, %d of them wrong\n", accepted, wrong);
