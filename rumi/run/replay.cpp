@@ -67,7 +67,7 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
   auto* rebuilding =
       add<ruminator::RuminatorNode>("ruminator", ruminator, ruminator_hooks, read_given_camera(ruminator.camera_file));
   if (ruminator.rebuild && !map_server.localize_only) ruminator_ = rebuilding;
-  again_images_ = ruminator.again_images;
+  again_images_ = map_server.merge.enabled ? ruminator.again_images : 0;  // only what is joined is won
   stop_ = hooks.stop;
   map_server_ = add<map_server::MapServerNode>("map_server", map_server);
   // Sessions are ordered by their numbers, which are times. A recording's times may be earlier than the map's (they may

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace rumi::ruminator {
 namespace {
@@ -16,26 +17,50 @@ constexpr size_t kFewKeypoints = 60;
 
 constexpr float kMaxMargin = 8;  // px; keypoints stay their radius away from masked pixels, but at most this far
 
+// OpenCV's SIFT doubles the image. Of an image that is blurred, such as most of a gap, this shows nothing but noise,
+// and most of the time goes there. So the image is shrunk to this part first, but not below kLeastSide.
+constexpr double kShrink = 0.71;
+constexpr double kLeastSide = 340;  // px; a smaller image has no pixel to spare
+
 struct Found {
-  std::vector<cv::KeyPoint> keypoints;
+  std::vector<cv::KeyPoint> keypoints;  // in pixels of the image that was given
   cv::Mat histograms;
+};
+
+// A copy of an image, `scale` times as large.
+struct ShrunkImage {
+  explicit ShrunkImage(const cv::Mat& grey)
+      : scale(static_cast<float>(std::clamp(kLeastSide / std::max(grey.cols, grey.rows), kShrink, 1.0))) {
+    cv::resize(grey, pixels, {}, scale, scale, cv::INTER_AREA);
+  }
+  cv::KeyPoint in_original(cv::KeyPoint keypoint) const {
+    // The centre of the first pixel is at 0 in both images.
+    keypoint.pt = {(keypoint.pt.x + 0.5F) / scale - 0.5F, (keypoint.pt.y + 0.5F) / scale - 0.5F};
+    keypoint.size /= scale;
+    return keypoint;
+  }
+  float scale;
+  cv::Mat pixels;
 };
 
 // Applies the mask before the strongest keypoints are chosen. OpenCV would do so after: then all of them might lie in a
 // caption, and none would be left.
-Found find_keypoints(const cv::Mat& grey, const ImageMask& mask, double contrast, int most) {
+Found find_keypoints(const ShrunkImage& image, const ImageMask& mask, double contrast, int most) {
   Found found;
-  if (mask.is_everything()) {
-    cv::SIFT::create(most, 3, contrast)->detectAndCompute(grey, cv::noArray(), found.keypoints, found.histograms);
-    return found;
+  const bool is_masked = !mask.is_everything();
+  const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(is_masked ? 0 : most, 3, contrast);
+  if (is_masked) {
+    sift->detect(image.pixels, found.keypoints);
+    std::erase_if(found.keypoints, [&](const cv::KeyPoint& shrunk) {
+      const cv::KeyPoint k = image.in_original(shrunk);
+      return !mask.allows({k.pt.x, k.pt.y}, std::min(kMaxMargin, k.size / 2));
+    });
+    cv::KeyPointsFilter::retainBest(found.keypoints, most);
+    if (!found.keypoints.empty()) sift->compute(image.pixels, found.keypoints, found.histograms);
+  } else {
+    sift->detectAndCompute(image.pixels, cv::noArray(), found.keypoints, found.histograms);
   }
-  const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(0, 3, contrast);
-  sift->detect(grey, found.keypoints);
-  std::erase_if(found.keypoints, [&mask](const cv::KeyPoint& k) {
-    return !mask.allows({k.pt.x, k.pt.y}, std::min(kMaxMargin, k.size / 2));
-  });
-  cv::KeyPointsFilter::retainBest(found.keypoints, most);
-  if (!found.keypoints.empty()) sift->compute(grey, found.keypoints, found.histograms);
+  for (cv::KeyPoint& keypoint : found.keypoints) keypoint = image.in_original(keypoint);
   return found;
 }
 
@@ -54,8 +79,9 @@ SiftDescriptor root_sift(const float* histogram) {
 }  // namespace
 
 SiftFeatures extract_sift(const cv::Mat& grey, const Camera& camera, int max_keypoints, const ImageMask& mask) {
-  Found found = find_keypoints(grey, mask, kContrast, max_keypoints);
-  if (found.keypoints.size() < kFewKeypoints) found = find_keypoints(grey, mask, kLowContrast, max_keypoints);
+  const ShrunkImage shrunk(grey);
+  Found found = find_keypoints(shrunk, mask, kContrast, max_keypoints);
+  if (found.keypoints.size() < kFewKeypoints) found = find_keypoints(shrunk, mask, kLowContrast, max_keypoints);
   const std::vector<cv::KeyPoint>& keypoints = found.keypoints;
   std::vector<int> order(keypoints.size());
   std::iota(order.begin(), order.end(), 0);

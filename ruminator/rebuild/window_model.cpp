@@ -100,16 +100,16 @@ class Attempts {
   }
 
   bool is_enough() const {
-    if (in_.by_place) return static_cast<double>(most_confirmed().images.size()) >= kEnoughByPlace * connected_;
-    return std::any_of(candidates_.begin(), candidates_.end(), [this](const WindowModel& c) {
-      return c.credible && images_of(c) >= kCompleteRatio * connected_;
-    });
+    const double enough = (in_.by_place ? kEnoughByPlace : kCompleteRatio) * connected_;
+    if (in_.needs_witness()) return static_cast<double>(most_confirmed().images.size()) >= enough;
+    return std::any_of(candidates_.begin(), candidates_.end(),
+                       [&](const WindowModel& c) { return c.credible && images_of(c) >= enough; });
   }
 
-  // Chooses the candidate with the smallest error among the credible ones that have about the most images; for windows
-  // by place, what most images of two candidates agree on.
+  // Chooses the candidate with the smallest error among the credible ones that have about the most images; where a
+  // witness is needed, what most images of two candidates agree on.
   void choose() {
-    if (in_.by_place) return choose_confirmed();
+    if (in_.by_place || (in_.needs_witness() && can_have_witness())) return choose_confirmed();
     double most = 0;
     for (const WindowModel& c : candidates_)
       if (c.credible) most = std::max(most, images_of(c));
@@ -132,6 +132,12 @@ class Attempts {
   // Counts images that were broken off too: a candidate that keeps them connected has only guessed their scale.
   static double images_of(const WindowModel& c) {
     return static_cast<double>(c.model.cam_from_world.size()) + c.broken_off;
+  }
+
+  // Without COLMAP, or without a global model, all models are begun in one way.
+  bool can_have_witness() const {
+    return std::any_of(candidates_.begin(), candidates_.end(),
+                       [this](const WindowModel& c) { return c.begun != candidates_.front().begun; });
   }
 
   struct Confirmed {
@@ -157,7 +163,9 @@ class Attempts {
     const Confirmed most = most_confirmed();
     if (!most.model) {
       result.best =
-          Error{fmt::format("no two of {} models agree on where most of their images are", candidates_.size())};
+          candidates_.size() == 1
+              ? Error{fmt::format("the only model, {}, has no witness", candidates_.front().origin)}
+              : Error{fmt::format("no two of {} models agree on where most of their images are", candidates_.size())};
       return;
     }
     WindowModel best = completion_.reduced(*most.model, most.images);
@@ -215,12 +223,13 @@ class Attempts {
   }
 
   // Adds a candidate that COLMAP began with one pair, which may be a wrong one. So it must not contradict a credible
-  // global model, but it may have more images. For windows by place most_confirmed() compares the models image by
-  // image.
+  // global model, but it may have more images. Where a witness is needed, most_confirmed() compares the models image
+  // by image.
   void add_rival(WindowModel candidate) {
     judge_model(in_, rotations_, o_, &candidate);
     for (const WindowModel& global : candidates_)
-      if (!in_.by_place && candidate.credible && global.begun == WindowModel::Beginning::kGlobal && global.credible)
+      if (!in_.needs_witness() && candidate.credible && global.begun == WindowModel::Beginning::kGlobal &&
+          global.credible)
         candidate.credible = compare_shapes(global.model, candidate.model, in_.utimes_us, o_);
     keep(std::move(candidate));
   }
@@ -264,7 +273,18 @@ Result<> check_quality(const WindowModel& candidate, const BuildOptions& options
   return {};
 }
 
+std::map<int32_t, size_t> frames_of_submaps(const std::vector<Sample>& front) {
+  std::map<int32_t, size_t> frames;
+  for (const Sample& sample : front) ++frames[sample.submap_id];
+  return frames;
+}
+
 }  // namespace
+
+bool WindowModelInput::needs_witness() const {
+  if (by_place) return true;
+  return 2 * front.size() < images.size();
+}
 
 void judge_model(const WindowModelInput& input, const std::vector<RelativeRotation>& rotations,
                  const BuildOptions& options, WindowModel* candidate) {
@@ -323,8 +343,7 @@ WindowModelResult attempt(const WindowModelInput& input, const BuildOptions& opt
 // though a front submap has enough poses in the window.
 bool is_adrift(const WindowModelInput& input, const WindowModelResult& result) {
   if (input.by_place || !result.best || result.best->broken_off == 0 || !result.best->agreement.empty()) return false;
-  std::map<int32_t, size_t> known;
-  for (const Sample& sample : input.front) ++known[sample.submap_id];
+  const std::map<int32_t, size_t> known = frames_of_submaps(input.front);
   return std::any_of(known.begin(), known.end(), [](const auto& submap) { return submap.second >= kMinFrontFrames; });
 }
 

@@ -6,9 +6,10 @@
 // 2. if that leaves images out, or is not credible, COLMAP's mapper alone, from several first pairs;
 // 3. if too few of the images that front_tracker knows are left, because they were torn off (torn_model.h): the same
 //    attempts with a wider limit for tears, on the models that COLMAP made before.
-// A window by place is not cut around one motion, and may have parts that nothing but a mistake connects. So a model of
-// it needs a witness: of the model that is grown out of the map's poses, the global model and one of COLMAP's, two must
-// agree on an image. Half of all images end the attempts, because the others come into a further window.
+// A window by place is not cut around one motion, and may have parts that nothing but a mistake connects. A window by
+// time of which front_tracker knows little has nothing that could contradict a wrong model. So models of these need a
+// witness: of the model that is grown out of the map's poses, the global model and one of COLMAP's, two must agree on
+// an image. By place, half of all images end the attempts, because the others come into a further window.
 #pragma once
 
 #include <algorithm>
@@ -61,6 +62,9 @@ struct WindowModelInput {
     if (found == utimes_us.end()) return std::nullopt;
     return static_cast<int>(found - utimes_us.begin());
   }
+
+  // True for windows by place, and for those by time of which front_tracker knows less than half of the images.
+  bool needs_witness() const;
 };
 
 // Sets agreement, pair_rotation_deg and credible of a candidate whose model and quality are set already. `rotations`:

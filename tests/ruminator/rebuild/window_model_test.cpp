@@ -148,7 +148,7 @@ TEST(WindowModel, ByPlaceGrowsOutOfTheMap) {
 }
 
 TEST(WindowModel, ByPlaceNeedsAWitness) {
-  EXPECT_THAT(build_by_place(window_with_outliers(), 0, 0).best.error_text(), HasSubstr("no two of 1 models agree"));
+  EXPECT_THAT(build_by_place(window_with_outliers(), 0, 0).best.error_text(), HasSubstr("the only model, global model, has no witness"));
 }
 
 TEST(WindowModel, ByPlaceMendsTheMap) {
