@@ -293,7 +293,9 @@ std::optional<LocatedFrame> Atlas::locate(ImageId image) const {
     const FramePose& frame = *s.submap.frame(image.utime_us);
     const bool follows = s.in_map && !hangs_on_placed_keyframe(s, frame);
     const bool was_adjusted = s.in_map && LocatedFrame{&s, &frame}.is_keyframe();
-    return std::make_tuple(!s.in_map, follows, !was_adjusted, !tracked_in, s.submap.kind != SubmapKind::kFront);
+    // Every frame of a back submap was adjusted with the others when it was rebuilt; front_tracker's pose of a frame
+    // between keyframes is that of one image alone.
+    return std::make_tuple(!s.in_map, follows, !was_adjusted, s.submap.kind != SubmapKind::kBack, !tracked_in);
   };
   const AtlasSubmap* best = nullptr;
   for (const auto& [key, candidate] : submaps_)

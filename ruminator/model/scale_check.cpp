@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "slam/numeric/median.h"
 
@@ -63,26 +64,32 @@ std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<Window
     return point->position;
   };
   std::vector<ScaleCut> cuts;
-  for (auto pose = model.cam_from_world.begin(); pose != model.cam_from_world.end(); ++pose) {
-    if (std::next(pose) == model.cam_from_world.end()) break;
-    const Eigen::Vector3d center = pose->second.center();
-    std::vector<double> logs;
-    int crossing = 0;
-    for (const Track& track : tracks) {
-      if (track.front().first > pose->first || track.back().first <= pose->first) continue;
-      Track before, after;
-      for (const auto& o : track)
-        if (model.cam_from_world.contains(o.first)) (o.first <= pose->first ? before : after).push_back(o);
-      crossing += !before.empty() && !after.empty();
-      const auto seen_before = see(before);
-      const auto seen_after = seen_before ? see(after) : std::nullopt;
-      if (!seen_after) continue;
-      const double log = std::log((*seen_after - center).norm() / (*seen_before - center).norm());
-      if (std::isfinite(log)) logs.push_back(log);
+  for (const auto& [image, pose] : model.cam_from_world) cuts.push_back({.image = image});
+  if (!cuts.empty()) cuts.pop_back();
+  std::vector<std::vector<double>> logs(cuts.size());
+  for (const Track& track : tracks) {
+    Track posed;
+    std::copy_if(track.begin(), track.end(), std::back_inserter(posed),
+                 [&model](const auto& o) { return model.cam_from_world.contains(o.first); });
+    // All cuts between two successive images of the track divide it alike.
+    for (auto middle = posed.begin(); middle != posed.end(); ++middle) {
+      if (middle == posed.begin()) continue;
+      const auto seen_before = see({posed.begin(), middle});
+      const auto seen_after = seen_before ? see({middle, posed.end()}) : std::nullopt;
+      auto cut = std::lower_bound(cuts.begin(), cuts.end(), std::prev(middle)->first,
+                                  [](const ScaleCut& c, int image) { return c.image < image; });
+      for (; cut != cuts.end() && cut->image < middle->first; ++cut) {
+        ++cut->tracks;
+        if (!seen_after) continue;
+        const Eigen::Vector3d center = model.cam_from_world.at(cut->image).center();
+        const double log = std::log((*seen_after - center).norm() / (*seen_before - center).norm());
+        if (std::isfinite(log)) logs[cut - cuts.begin()].push_back(log);
+      }
     }
-    cuts.push_back({.image = pose->first, .tracks = crossing});
-    ScaleCut& cut = cuts.back();
-    summarize(&logs, &cut);
+  }
+  for (size_t i = 0; i < cuts.size(); ++i) {
+    ScaleCut& cut = cuts[i];
+    summarize(&logs[i], &cut);
     cut.is_break = !is_carried(cut) && points_with_depth(model, cut.image, true) >= kMinDepthPoints &&
                    points_with_depth(model, cut.image, false) >= kMinDepthPoints;
   }
