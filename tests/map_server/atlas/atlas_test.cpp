@@ -135,6 +135,24 @@ TEST(Atlas, AKeyframeCountsMoreThanAFrameBetweenKeyframes) {
   EXPECT_EQ(atlas.locate({between_us})->owner->submap.key.id, -1);
 }
 
+TEST(Atlas, BetweenKeyframesABackSubmapCountsMoreThanWhereTheFrameWasTracked) {
+  const Submap front = make_submap({7, 1}, 1, 9);
+  Submap back = make_submap({7, -1}, 1, 9);
+  back.kind = SubmapKind::kBack;
+  const auto is_keyframe = [&front](const auto& f) {
+    return front.keyframe(f.second.reference_keyframe)->utime_us == f.first;
+  };
+  Atlas atlas;
+  update_atlas(&atlas, front);
+  update_atlas(&atlas, back);
+  for (const auto& [utime_us, frame] : front.frames)
+    atlas.record_frame({utime_us}, {.session = 7, .state = TrackingState::kTracking, .submap_id = 1});
+  const int64_t between_us = std::find_if_not(front.frames.begin(), front.frames.end(), is_keyframe)->first;
+  EXPECT_EQ(atlas.locate({between_us})->owner->submap.key.id, 1) << "the back submap is not in the map";
+  testing::place_map(&atlas, {{{7, 1}, {}}, {{7, -1}, {}}});
+  EXPECT_EQ(atlas.locate({between_us})->owner->submap.key.id, -1);
+}
+
 TEST(Atlas, FramesOfTwoStreamsThatHaveTheSameTimesAreKeptApart) {
   Atlas atlas;
   Submap first = make_submap({7, 1}, 1, 3), second = make_submap({8, 1}, 2, 5);

@@ -93,6 +93,32 @@ TEST(SiftFeatures, AreDescribedAlikeWithAMask) {
   }
 }
 
+// A large image is shrunk before; its pixels are told all the same.
+TEST(SiftFeatures, LieInThePixelsOfALargeImage) {
+  const Camera camera{.width = 960, .height = 700, .fx = 800, .fy = 800, .cx = 480, .cy = 350};
+  cv::Mat discs(camera.height, camera.width, CV_8U, cv::Scalar(40));
+  std::vector<Eigen::Vector2f> centers;
+  for (int i = 0; i < 60; ++i) {
+    centers.emplace_back(static_cast<float>(60 + 90 * (i % 10)), static_cast<float>(70 + 110 * (i / 10)));
+    cv::circle(discs, {60 + 90 * (i % 10), 70 + 110 * (i / 10)}, 9, cv::Scalar(220), cv::FILLED, cv::LINE_AA);
+  }
+  cv::Mat pixels(camera.height, camera.width, CV_8U, cv::Scalar(255));
+  pixels.colRange(0, 400) = 0;
+  for (const ImageMask& mask : {ImageMask(), ImageMask(pixels)}) {
+    const SiftFeatures features = extract_sift(discs, camera, 1000, mask);
+    for (const Eigen::Vector2f& center : centers) {
+      float nearest_px = 1e3F;
+      for (const Eigen::Vector2f& pixel : features.undistorted)
+        nearest_px = std::min(nearest_px, (pixel - center).norm());
+      if (mask.is_everything() || center.x() > 420) {
+        EXPECT_LT(nearest_px, 0.25F) << center.transpose();
+      } else if (center.x() < 380) {
+        EXPECT_GT(nearest_px, 20.0F) << center.transpose();
+      }
+    }
+  }
+}
+
 TEST(SiftFeatures, AreNoneWhereNothingIsToBeSeen) {
   const Camera camera = testing::picture_camera();
   for (const int grey : {0, 128, 255})

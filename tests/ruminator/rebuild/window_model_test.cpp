@@ -148,7 +148,23 @@ TEST(WindowModel, ByPlaceGrowsOutOfTheMap) {
 }
 
 TEST(WindowModel, ByPlaceNeedsAWitness) {
-  EXPECT_THAT(build_by_place(window_with_outliers(), 0, 0).best.error_text(), HasSubstr("the only model, global model, has no witness"));
+  EXPECT_THAT(build_by_place(window_with_outliers(), 0, 0).best.error_text(),
+              HasSubstr("the only model, global model, has no witness"));
+}
+
+TEST(WindowModel, NeedsAWitnessWhereTheFrontKnowsLessThanHalf) {
+  const TestWindow w = window_with_outliers();
+  const std::vector<int64_t> utimes_us = utimes_of(w);
+  const auto needs = [&](size_t known, bool by_place) {
+    std::vector<Sample> front;
+    for (size_t i = 0; i < known; ++i) front.push_back({utimes_us[i], true, 1, w.cam_from_world[i]});
+    return WindowModelInput{w.camera, w.images, utimes_us, w.pairs, front, by_place}.needs_witness();
+  };
+  ASSERT_EQ(w.images.size(), 12u);
+  EXPECT_TRUE(needs(0, false));
+  EXPECT_TRUE(needs(5, false));
+  EXPECT_FALSE(needs(6, false));
+  EXPECT_TRUE(needs(12, true));
 }
 
 TEST(WindowModel, ByPlaceMendsTheMap) {
