@@ -63,8 +63,7 @@ std::vector<WindowCandidate> choose_candidates(const std::vector<WindowCandidate
   take(of_islands, kMostCandidates);
   take(of_map, kMostCandidates);
   // Front_tracker's pose of a frame between keyframes may be wrong where the camera turns fast.
-  const bool fits = of_islands.size() + of_map.size() + between_keyframes.size() <= ruminator::kPlaceWindowImages;
-  const size_t enough = fits ? ruminator::kPlaceWindowImages : std::min(of_islands.size(), kMostCandidates);
+  const size_t enough = std::min(of_islands.size(), kMostCandidates);
   take(between_keyframes, enough - std::min(of_map.size(), enough));
   std::sort(all.begin(), all.end(),
             [](const WindowCandidate& a, const WindowCandidate& b) { return a.sample.utime_us < b.sample.utime_us; });
@@ -173,7 +172,6 @@ PlaceWindow Again::next_window(const Islands& islands) {
     number.push_back(found->second);
     if (tried_.contains(candidate.sample.utime_us)) tried.insert(candidate.island);
   }
-  const auto most = static_cast<size_t>(std::min<int64_t>(images_left_, ruminator::kPlaceWindowImages));
   const ruminator::Island* seed = nullptr;
   for (const WindowCandidate& candidate : candidates) {
     if (candidate.island == WindowCandidate::kInMap || tried.contains(candidate.island)) continue;
@@ -181,11 +179,9 @@ PlaceWindow Again::next_window(const Islands& islands) {
     if (!seed || island.frames > seed->frames) seed = &island;
   }
   if (!seed) return {};
-  // A short recording is one problem as a whole first.
-  if (!had_window_ && candidates.size() == islands.candidates.size() && candidates.size() <= most)
-    return ruminator::whole_window(std::move(candidates));
   const auto similarity = [&](size_t a, size_t b) { return index_.similarity(number[a], number[b]); };
-  return choose_place_window(candidates, seed->id, similarity, static_cast<int>(most));
+  return choose_place_window(candidates, seed->id, similarity,
+                             static_cast<int>(std::min<int64_t>(images_left_, ruminator::kPlaceWindowImages)));
 }
 
 void Again::rebuild(const PlaceWindow& window) {
@@ -196,7 +192,6 @@ void Again::rebuild(const PlaceWindow& window) {
     samples.push_back(candidate.sample);
     utimes_us.insert(candidate.sample.utime_us);
   }
-  had_window_ = true;
   images_left_ -= static_cast<int64_t>(samples.size());
   system_.ruminator.rebuild_again(std::move(samples), images(utimes_us));
   system_.settle();

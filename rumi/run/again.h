@@ -54,7 +54,6 @@ class Again {
 
   System system_;
   int64_t images_left_ = 0;
-  bool had_window_ = false;
   ruminator::ImageSimilarity index_;
   std::map<int64_t, size_t> number_in_index_;  // by utime
   std::set<int64_t> tried_;                    // utimes of images of islands in the windows of this round

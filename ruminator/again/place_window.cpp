@@ -94,11 +94,4 @@ PlaceWindow choose_place_window(const std::vector<WindowCandidate>& candidates, 
   return window;
 }
 
-PlaceWindow whole_window(std::vector<WindowCandidate> candidates) {
-  PlaceWindow window{.candidates = std::move(candidates)};
-  for (const WindowCandidate& candidate : window.candidates)
-    if (candidate.island != WindowCandidate::kInMap) window.islands.insert(candidate.island);
-  return window;
-}
-
 }  // namespace rumi::ruminator

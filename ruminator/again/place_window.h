@@ -42,7 +42,4 @@ struct PlaceWindow {
 PlaceWindow choose_place_window(const std::vector<WindowCandidate>& candidates, int seed, const Similarity& similarity,
                                 int max_images);
 
-// A window of all candidates.
-PlaceWindow whole_window(std::vector<WindowCandidate> candidates);
-
 }  // namespace rumi::ruminator

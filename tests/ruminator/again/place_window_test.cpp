@@ -73,16 +73,6 @@ TEST(PlaceWindow, TakesNeighboursOfALongIsland) {
   EXPECT_EQ(utimes.back() - utimes.front(), 27) << "not thinned: images must overlap";
 }
 
-TEST(PlaceWindow, OfAllHasAllAndNamesTheIslands) {
-  Walk walk;
-  walk.add(10, WindowCandidate::kInMap, 0);
-  walk.add(3, 0, 500);
-  walk.add(2, 1, 900);
-  const PlaceWindow window = whole_window(walk.candidates);
-  EXPECT_EQ(window.candidates.size(), 15u);
-  EXPECT_THAT(window.islands, ElementsAre(0, 1));
-}
-
 TEST(PlaceWindow, IsEmptyWithoutTheIsland) {
   Walk walk;
   walk.add(10, WindowCandidate::kInMap, 0);
