@@ -11,10 +11,9 @@ namespace {
 
 constexpr int kRepairs = 3;  // most slips of the scale that are repaired in one model
 // For regrowing a torn model: least parallax of the points that connect an image to the rest, and how many images are
-// added between two adjustments, at least and as a part of those that are there.
+// added between two adjustments.
 constexpr double kRegrowParallaxDeg = 0.5;
 constexpr int kRegrowImages = 3;
-constexpr int kRegrowPart = 15;
 
 // Returns the part of the model on one side of the cut.
 SparseModel side_of(const SparseModel& model, const ScaleCut& cut, bool after) {
@@ -119,8 +118,7 @@ bool ModelCompletion::regrow_torn(SparseModel* model) const {
   // Stops when the model no longer grows: an image that each adjustment removes would be added again for ever.
   for (size_t most = 0; model->cam_from_world.size() > most;) {
     most = model->cam_from_world.size();
-    const int step = std::max(kRegrowImages, static_cast<int>(most) / kRegrowPart);
-    if (resect_missing_images(in_.camera, in_.images, in_.pairs, growth, model, step) > 0) renew();
+    if (resect_missing_images(in_.camera, in_.images, in_.pairs, growth, model, kRegrowImages) > 0) renew();
   }
   settle(model);
   return true;
