@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
+#include <map>
+#include <span>
 
 #include "slam/numeric/median.h"
 
@@ -51,6 +54,21 @@ int points_with_depth(const SparseModel& model, int last_before, bool before) {
   return count;
 }
 
+// Returns a cut after each registered image except the last.
+std::vector<ScaleCut> cuts_of(const SparseModel& model) {
+  std::vector<ScaleCut> cuts;
+  for (const auto& [image, pose] : model.cam_from_world) cuts.push_back({.image = image});
+  if (!cuts.empty()) cuts.pop_back();
+  return cuts;
+}
+
+// Returns the cuts from the one after image `before` to the last one before image `after`.
+std::span<ScaleCut> cuts_between(int before, int after, std::vector<ScaleCut>* cuts) {
+  const auto is_before = [](const ScaleCut& cut, int image) { return cut.image < image; };
+  const auto first = std::lower_bound(cuts->begin(), cuts->end(), before, is_before);
+  return {first, std::lower_bound(first, cuts->end(), after, is_before)};
+}
+
 }  // namespace
 
 std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<WindowImage>& images,
@@ -63,33 +81,28 @@ std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<Window
     if (!point || point->track.size() < part.size()) return std::nullopt;
     return point->position;
   };
-  std::vector<ScaleCut> cuts;
-  for (const auto& [image, pose] : model.cam_from_world) cuts.push_back({.image = image});
-  if (!cuts.empty()) cuts.pop_back();
-  std::vector<std::vector<double>> logs(cuts.size());
+  std::vector<ScaleCut> cuts = cuts_of(model);
+  std::map<int, std::vector<double>> logs;  // by the image of the cut
   for (const Track& track : tracks) {
     Track posed;
     std::copy_if(track.begin(), track.end(), std::back_inserter(posed),
                  [&model](const auto& o) { return model.cam_from_world.contains(o.first); });
-    // All cuts between two successive images of the track divide it alike.
-    for (auto middle = posed.begin(); middle != posed.end(); ++middle) {
-      if (middle == posed.begin()) continue;
+    for (size_t i = 1; i < posed.size(); ++i) {
+      const auto middle = posed.begin() + static_cast<std::ptrdiff_t>(i);
       const auto seen_before = see({posed.begin(), middle});
       const auto seen_after = seen_before ? see({middle, posed.end()}) : std::nullopt;
-      auto cut = std::lower_bound(cuts.begin(), cuts.end(), std::prev(middle)->first,
-                                  [](const ScaleCut& c, int image) { return c.image < image; });
-      for (; cut != cuts.end() && cut->image < middle->first; ++cut) {
-        ++cut->tracks;
+      // All cuts between two successive images of the track divide it alike.
+      for (ScaleCut& cut : cuts_between(posed[i - 1].first, posed[i].first, &cuts)) {
+        ++cut.tracks;
         if (!seen_after) continue;
-        const Eigen::Vector3d center = model.cam_from_world.at(cut->image).center();
+        const Eigen::Vector3d center = model.cam_from_world.at(cut.image).center();
         const double log = std::log((*seen_after - center).norm() / (*seen_before - center).norm());
-        if (std::isfinite(log)) logs[cut - cuts.begin()].push_back(log);
+        if (std::isfinite(log)) logs[cut.image].push_back(log);
       }
     }
   }
-  for (size_t i = 0; i < cuts.size(); ++i) {
-    ScaleCut& cut = cuts[i];
-    summarize(&logs[i], &cut);
+  for (ScaleCut& cut : cuts) {
+    summarize(&logs[cut.image], &cut);
     cut.is_break = !is_carried(cut) && points_with_depth(model, cut.image, true) >= kMinDepthPoints &&
                    points_with_depth(model, cut.image, false) >= kMinDepthPoints;
   }

@@ -93,7 +93,10 @@ TEST(SiftFeatures, AreDescribedAlikeWithAMask) {
   }
 }
 
-// A large image is shrunk before; its pixels are told all the same.
+// A large image is shrunk before; its pixels are told all the same. OpenCV 4.6 finds everything a quarter of a pixel of
+// the shrunk image too far to the right and below, because it doubles the image around another point than it halves it.
+constexpr float kOpenCvOffset = 0.25F / 0.71F;
+
 TEST(SiftFeatures, LieInThePixelsOfALargeImage) {
   const Camera camera{.width = 960, .height = 700, .fx = 800, .fy = 800, .cx = 480, .cy = 350};
   cv::Mat discs(camera.height, camera.width, CV_8U, cv::Scalar(40));
@@ -109,9 +112,9 @@ TEST(SiftFeatures, LieInThePixelsOfALargeImage) {
     for (const Eigen::Vector2f& center : centers) {
       float nearest_px = 1e3F;
       for (const Eigen::Vector2f& pixel : features.undistorted)
-        nearest_px = std::min(nearest_px, (pixel - center).norm());
+        nearest_px = std::min(nearest_px, (pixel - center - Eigen::Vector2f::Constant(kOpenCvOffset)).norm());
       if (mask.is_everything() || center.x() > 420) {
-        EXPECT_LT(nearest_px, 0.25F) << center.transpose();
+        EXPECT_LT(nearest_px, 0.1F) << center.transpose();
       } else if (center.x() < 380) {
         EXPECT_GT(nearest_px, 20.0F) << center.transpose();
       }
