@@ -295,7 +295,9 @@ std::optional<LocatedFrame> Atlas::locate(ImageId image) const {
     const bool was_adjusted = s.in_map && LocatedFrame{&s, &frame}.is_keyframe();
     // Every frame of a back submap was adjusted with the others when it was rebuilt; front_tracker's pose of a frame
     // between keyframes is that of one image alone.
-    return std::make_tuple(!s.in_map, follows, !was_adjusted, s.submap.kind != SubmapKind::kBack, !tracked_in);
+    const bool is_of_one_image = s.in_map && s.submap.kind != SubmapKind::kBack;
+    return std::make_tuple(!s.in_map, follows, !was_adjusted, is_of_one_image, !tracked_in,
+                           s.submap.kind != SubmapKind::kFront);
   };
   const AtlasSubmap* best = nullptr;
   for (const auto& [key, candidate] : submaps_)

@@ -114,8 +114,8 @@ class Atlas {
   bool stands_for_itself(const AtlasSubmap& owner, int landmark_id) const;
 
   // Chooses the pose that counts for an image. Poses in the served map come first, and among them those whose own
-  // keyframe is placed, and among those the image's own keyframes, which the adjustment has moved; then the pose in the
-  // submap in which the frame was tracked; then poses in front submaps before those in back submaps.
+  // keyframe is placed, and among those the image's own keyframes, which the adjustment has moved, and among those back
+  // submaps; then the pose in the submap in which the frame was tracked; then poses in front submaps.
   std::optional<LocatedFrame> locate(ImageId image) const;
   // map_from_cam of every frame with a pose in the served map, in the map's unit.
   std::map<ImageId, SE3> map_trajectory() const;
