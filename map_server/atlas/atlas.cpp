@@ -293,10 +293,10 @@ std::optional<LocatedFrame> Atlas::locate(ImageId image) const {
     const FramePose& frame = *s.submap.frame(image.utime_us);
     const bool follows = s.in_map && !hangs_on_placed_keyframe(s, frame);
     const bool was_adjusted = s.in_map && LocatedFrame{&s, &frame}.is_keyframe();
-    // Every frame of a back submap was adjusted with the others when it was rebuilt; front_tracker's pose of a frame
-    // between keyframes is that of one image alone.
-    const bool is_of_one_image = s.in_map && s.submap.kind != SubmapKind::kBack;
-    return std::make_tuple(!s.in_map, follows, !was_adjusted, is_of_one_image, !tracked_in,
+    // Every frame of a back submap was adjusted with the others when it was rebuilt. front_tracker's pose of a frame
+    // between keyframes is that of one image alone, and its keyframes agree with those of back submaps or are wrong.
+    const bool was_not_rebuilt = s.in_map && s.submap.kind != SubmapKind::kBack;
+    return std::make_tuple(!s.in_map, follows, !was_adjusted, was_not_rebuilt, !tracked_in,
                            s.submap.kind != SubmapKind::kFront);
   };
   const AtlasSubmap* best = nullptr;

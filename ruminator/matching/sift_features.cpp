@@ -17,8 +17,8 @@ constexpr size_t kFewKeypoints = 60;
 
 constexpr float kMaxMargin = 8;  // px; keypoints stay their radius away from masked pixels, but at most this far
 
-// OpenCV's SIFT doubles the image. Of an image that is blurred, such as most of a gap, this shows nothing but noise,
-// and most of the time goes there. So the image is shrunk to this part first, but not below kLeastSide.
+// OpenCV's SIFT doubles the image, which takes most of its time. Shrunk to this part first, but not below kLeastSide,
+// images of gaps are rebuilt as well (docs/experiments/2026-11-rumination-price.md).
 constexpr double kShrink = 0.71;
 constexpr double kLeastSide = 340;  // px; a smaller image has no pixel to spare
 

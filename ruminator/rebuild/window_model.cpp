@@ -273,18 +273,7 @@ Result<> check_quality(const WindowModel& candidate, const BuildOptions& options
   return {};
 }
 
-std::map<int32_t, size_t> frames_of_submaps(const std::vector<Sample>& front) {
-  std::map<int32_t, size_t> frames;
-  for (const Sample& sample : front) ++frames[sample.submap_id];
-  return frames;
-}
-
 }  // namespace
-
-bool WindowModelInput::needs_witness() const {
-  if (by_place) return true;
-  return 2 * front.size() < images.size();
-}
 
 void judge_model(const WindowModelInput& input, const std::vector<RelativeRotation>& rotations,
                  const BuildOptions& options, WindowModel* candidate) {
@@ -343,7 +332,8 @@ WindowModelResult attempt(const WindowModelInput& input, const BuildOptions& opt
 // though a front submap has enough poses in the window.
 bool is_adrift(const WindowModelInput& input, const WindowModelResult& result) {
   if (input.by_place || !result.best || result.best->broken_off == 0 || !result.best->agreement.empty()) return false;
-  const std::map<int32_t, size_t> known = frames_of_submaps(input.front);
+  std::map<int32_t, size_t> known;
+  for (const Sample& sample : input.front) ++known[sample.submap_id];
   return std::any_of(known.begin(), known.end(), [](const auto& submap) { return submap.second >= kMinFrontFrames; });
 }
 

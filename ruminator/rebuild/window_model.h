@@ -64,7 +64,7 @@ struct WindowModelInput {
   }
 
   // True for windows by place, and for those by time of which front_tracker knows less than half of the images.
-  bool needs_witness() const;
+  bool needs_witness() const { return by_place || 2 * front.size() < images.size(); }
 };
 
 // Sets agreement, pair_rotation_deg and credible of a candidate whose model and quality are set already. `rotations`:
