@@ -4,11 +4,10 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <vector>
 
 #include "bus/wire/image_codec.h"
+#include "bus/wire/mask_png.h"
 
 namespace rumi {
 namespace {
@@ -27,11 +26,7 @@ Result<cv::Mat> decode_mask_of(const cv::Size& image, std::string_view bytes) {
 
 }  // namespace
 
-std::string encode_mask(const cv::Mat& pixels) {
-  std::vector<uchar> bytes;
-  cv::imencode(".png", pixels != 0, bytes, {cv::IMWRITE_PNG_BILEVEL, 1});
-  return {bytes.begin(), bytes.end()};
-}
+std::string encode_mask(const cv::Mat& pixels) { return mask_to_png(pixels); }
 
 cv::Size size_of_mask(std::string_view bytes) {
   constexpr std::string_view kBeginning{"\x89PNG\r\n\x1A\n\0\0\0\rIHDR", 16};
@@ -52,18 +47,8 @@ Result<cv::Mat> decode_mask(std::string_view bytes) {
   if (int64_t{size.width} * size.height > kMostPixels || bytes.size() > kMostBytes)
     return Error{
         fmt::format("the mask is too large ({} x {} pixels in {} bytes)", size.width, size.height, bytes.size())};
-  cv::Mat pixels;
-  if (!size.empty()) try {
-      const std::vector<uchar> data(bytes.begin(), bytes.end());
-      pixels = cv::imdecode(data, cv::IMREAD_UNCHANGED);
-    } catch (const cv::Exception&) {  // a PNG that OpenCV refuses
-    }
-  if (pixels.empty()) return Error{"the mask is no PNG that can be read"};
-  std::vector<cv::Mat> channels;
-  cv::split(pixels, channels);
-  if (channels.size() == 2 || channels.size() == 4) channels.pop_back();  // the last channel is the opacity
-  cv::Mat world = channels.front() != 0;
-  for (const cv::Mat& channel : channels) world |= channel != 0;
+  cv::Mat world = size.empty() ? cv::Mat() : mask_from_png(bytes, size);
+  if (world.empty()) return Error{"the mask is no PNG that can be read"};
   return world;
 }
 

@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+
+#include <png.h>
 
 #include "base/this_process/account_limits.h"
 #include "viewer_offscreen/picture/renderer.h"
@@ -17,9 +19,19 @@ cv::Mat draw_map(const MapPicture& picture, std::optional<ViewKind> only) {
 }
 
 std::vector<uint8_t> encode_png(const cv::Mat& picture) {
-  std::vector<uint8_t> png;
-  cv::imencode(".png", picture, png);
-  return png;
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(picture.cols);
+  png.height = static_cast<png_uint_32>(picture.rows);
+  png.format = PNG_FORMAT_BGR;
+  png.flags = PNG_IMAGE_FLAG_FAST;  // drawn again and again, and hardly larger
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+  std::vector<uint8_t> bytes(size);
+  const int stride = static_cast<int>(picture.step[0]);
+  if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, picture.data, stride, nullptr))
+    throw std::runtime_error(std::string("a picture cannot be encoded: ") + png.message);
+  bytes.resize(size);
+  return bytes;
 }
 
 Result<> write_png(const cv::Mat& picture, const std::string& file) {

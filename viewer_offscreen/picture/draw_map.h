@@ -17,6 +17,7 @@ namespace rumi::viewer_offscreen {
 // one. Throws std::runtime_error if there is no OpenGL.
 cv::Mat draw_map(const MapPicture& picture, std::optional<ViewKind> only = std::nullopt);
 
+// `picture`: 8-bit BGR.
 std::vector<uint8_t> encode_png(const cv::Mat& picture);
 // Writes a PNG, and replaces an existing file in one step. Returns an Error with the file and the reason if that fails.
 Result<> write_png(const cv::Mat& picture, const std::string& file);
