@@ -168,7 +168,12 @@ void FrontTrackerNode::publish(const image_t& image, const TrackResult& result, 
 }
 
 void FrontTrackerNode::publish_in_map(const TrackResult& r) {
-  const auto place = places_.find({session_, r.submap_id});
+  auto place = places_.find({session_, r.submap_id});
+  // Until map_server has placed a submap that goes on from another one, it lies where that one does.
+  for (int id = r.submap_id; place == places_.end() && id != kNoSubmap;) {
+    id = tracker_->continued_from(id);
+    place = places_.find({session_, id});
+  }
   if (place == places_.end()) return;
   const Sim3& map_from_submap = place->second.map_from_submap;
   const SE3 map_from_cam = map_from_submap.transform_camera(r.cam_from_submap).inverse();

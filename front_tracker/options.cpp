@@ -63,6 +63,9 @@ void describe_mapping(OptionTable& t, MappingOptions& m) {
   t.add(kPrefix + "max_log_distance", &m.max_log_distance, "",
         "of a new landmark's distance by its keypoints' noise, relative (standard deviation)", 0.01, 10.0);
   t.add(kPrefix + "bundle_keyframes", &m.bundle_keyframes, "keyframes", "free in local bundle adjustment", 2, 200);
+  t.add(kPrefix + "submap_keyframes", &m.submap_keyframes, "keyframes",
+        "of a submap; with more, tracking goes on in a new one that begins with the keyframes around; 0: never", 0,
+        100000);
   t.add(kPrefix + "bundle_iterations", &m.bundle_iterations, "", "of local bundle adjustment", 1, 100);
   t.add(kPrefix + "keyframe_images", &m.keyframe_images, "keyframes",
         "the latest, whose images are kept to align keypoints with (1 MB each at 640x480, a quarter more CPU); "

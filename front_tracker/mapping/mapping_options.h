@@ -16,6 +16,7 @@ struct MappingOptions {
   int bundle_wide_every = 16;      // keyframes from one wide adjustment to the next; 0: never
   int bundle_wide_keyframes = 96;  // free keyframes in a wide adjustment; at most as many are fixed
   int keyframe_images = 15;        // latest keyframes whose images are kept for aligning keypoints; 0: no aligning
+  int submap_keyframes = 300;      // with more, tracking goes on in a new submap; 0: never
   double redundant_ratio = 0.9;  // a keyframe is dropped if three others observe more than this share of its landmarks
 };
 

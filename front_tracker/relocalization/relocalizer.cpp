@@ -15,6 +15,9 @@ namespace {
 // A keyframe's number in the index has the submap's index in its upper half and the keyframe's id in its lower half.
 constexpr int kSubmapShift = 32;
 size_t submap_of(int64_t number) { return static_cast<size_t>(number >> kSubmapShift); }
+int64_t number_of(size_t submap_index, int keyframe_id) {
+  return static_cast<int64_t>(submap_index) << kSubmapShift | keyframe_id;
+}
 int keyframe_of(int64_t number) { return static_cast<int>(number & 0xffffffff); }
 
 // Returns the landmarks of the keyframe and of the ten keyframes that share the most landmarks with it.
@@ -42,7 +45,11 @@ void Relocalizer::add_keyframe(size_t submap_index, const Submap& submap, const 
   std::vector<Descriptor> descriptors;
   for (size_t i = 0; i < keyframe.landmark_ids.size(); ++i)
     if (keyframe.landmark_ids[i] != kNone) descriptors.push_back(keyframe.features->descriptors[i]);
-  index_.add(static_cast<int64_t>(submap_index) << kSubmapShift | keyframe.id, descriptors);
+  index_.add(number_of(submap_index, keyframe.id), descriptors);
+}
+
+void Relocalizer::forget_keyframe(size_t submap_index, int keyframe_id) {
+  index_.remove(number_of(submap_index, keyframe_id));
 }
 
 void Relocalizer::forget_submap(size_t submap_index) {

@@ -22,6 +22,7 @@ class Relocalizer {
 
   // Adds a keyframe, or replaces it. Also forgets keyframes that have been culled from the submap.
   void add_keyframe(size_t submap_index, const Submap& submap, const Keyframe& keyframe);
+  void forget_keyframe(size_t submap_index, int keyframe_id);
   void forget_submap(size_t submap_index);
 
   struct Candidate {

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "base/running/log.h"
 #include "base/running/stage_clock.h"
 #include "front_tracker/frame/certainty.h"
+#include "front_tracker/mapping/submap_part.h"
 #include "front_tracker/tracking/first_map.h"
 #include "front_tracker/tracking/slip.h"
 
@@ -48,6 +50,7 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   last_utime_us_ = utime_us;
   posed_afterwards_.clear();
   withdrawn_.clear();
+  leave_full_submap();
   const Images images = prepare(utime_us, grey, mask);
   TrackResult result = track_image(utime_us, images);
   result.state = state_;
@@ -318,6 +321,29 @@ FrontSubmap& Tracker::open_submap(Submap known) {
   known.pyramid = options_.orb.pyramid;
   known.stream = stream_;
   return *submaps_.emplace_back(std::make_unique<FrontSubmap>(std::move(known), key));
+}
+
+void Tracker::leave_full_submap() {
+  const int most = options_.mapping.submap_keyframes;
+  if (most == 0 || state_ != TrackingState::kTracking || mapping_.pending() > 0) return;
+  const std::scoped_lock lock(map_mutex_);
+  if (active().map.keyframes.size() <= static_cast<size_t>(most)) return;
+  motion_.follow_mapping(active().map);
+  const SubmapKey key{session_, static_cast<int32_t>(submaps_.size()) + 1};
+  const int around = options_.mapping.bundle_keyframes + options_.mapping.bundle_fixed_keyframes;
+  submaps_.push_back(go_on_from(active(), key, motion_.last().utime_us, static_cast<size_t>(around)));
+  continued_from_[key.id] = active().map.key.id;
+  const size_t full = std::exchange(active_, submaps_.size() - 1);
+  for (const auto& [id, kf] : active().map.keyframes) {
+    relocalizer_.forget_keyframe(full, id);
+    relocalizer_.add_keyframe(active_, active().map, kf);
+  }
+  log_debug("submap {} is full: submap {} goes on from it", submaps_[full]->map.key.id, key.id);
+}
+
+int Tracker::continued_from(int submap_id) const {
+  const auto found = continued_from_.find(submap_id);
+  return found == continued_from_.end() ? kNoSubmap : found->second;
 }
 
 void Tracker::activate(size_t submap_index) {

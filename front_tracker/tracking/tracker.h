@@ -11,6 +11,7 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -80,6 +81,9 @@ class Tracker {
   // wait_for_mapping() before reading one.
   const std::vector<std::unique_ptr<FrontSubmap>>& submaps() const { return submaps_; }
   void wait_for_mapping() { mapping_.wait_until_idle(); }
+  // Returns the front submap in which tracking went on in this submap, in the same unit and frame of reference; kNoSubmap
+  // if it began otherwise.
+  int continued_from(int submap_id) const;
   // Returns how many keyframes' mapping threw since the last call, and why. Tracking goes on without their new
   // landmarks.
   Worker::Broken take_broken_mapping() { return mapping_.take_broken(); }
@@ -121,6 +125,8 @@ class Tracker {
   void wait_to_begin(const Frame& frame);
   std::optional<FoundPose> begin_submap(const Frame& frame);
   FrontSubmap& open_submap(Submap known);
+  // If the active submap is full, lets tracking go on in a new one that begins with the keyframes around the camera.
+  void leave_full_submap();
   void activate(size_t submap_index);  // lets tracking go on in this submap
   void add_to_index_and_map(const Keyframe& keyframe);
 
@@ -144,6 +150,7 @@ class Tracker {
   // The submaps and what adds to them.
   std::mutex map_mutex_;
   std::vector<std::unique_ptr<FrontSubmap>> submaps_;
+  std::map<int, int> continued_from_;  // see continued_from()
   size_t active_ = 0;  // index into submaps_ of the submap that is tracked, or while (RECENTLY_)LOST was tracked last;
                        // unused before the first submap
   KeyframePolicy keyframe_policy_;

@@ -31,6 +31,11 @@ void GapThinner::merge(const std::vector<GapFrame>& frames) {
   thin_to(static_cast<size_t>(cap_));
 }
 
+void GapThinner::rename(int32_t from, int32_t to) {
+  for (GapFrame& frame : frames_)
+    if (frame.sample.submap_id == from) frame.sample.submap_id = to;
+}
+
 std::optional<GapFrame> GapThinner::take(int64_t utime_us) {
   const auto it = std::lower_bound(frames_.begin(), frames_.end(), utime_us,
                                    [](const GapFrame& f, int64_t utime) { return f.sample.utime_us < utime; });

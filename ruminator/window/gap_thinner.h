@@ -35,6 +35,7 @@ class GapThinner {
   void merge(const std::vector<GapFrame>& frames);
   // Removes the frame and returns it; nullopt if it is not there.
   std::optional<GapFrame> take(int64_t utime_us);
+  void rename(int32_t from, int32_t to);  // as StrideSampler::rename()
   // Halves the number of frames and the cap. Returns false if only the first and the last frame are left.
   bool halve();
 

@@ -49,6 +49,11 @@ class StrideSampler {
   bool take(int64_t utime_us) {
     return std::erase_if(samples_, [utime_us](const Sample& s) { return s.utime_us == utime_us; }) > 0;
   }
+  // Says that what was the submap `from` is the submap `to` from now on.
+  void rename(int32_t from, int32_t to) {
+    for (Sample& sample : samples_)
+      if (sample.submap_id == from) sample.submap_id = to;
+  }
   void clear() {
     samples_.clear();
     since_last_ = 0;

@@ -65,6 +65,7 @@ GapFrame WindowSampler::measured(const FrameEvent& frame) {
 
 std::optional<RuminationWindow> WindowSampler::on_tracked(const FrameEvent& frame) {
   std::optional<RuminationWindow> ended;
+  if (submap_ != kNoSubmap && !known_submaps_.contains(frame.submap_id)) go_on_in(frame.submap_id);
   if (departure() && frame.submap_id != open_->window.submap_after)
     ended = close(fmt::format("tracking went over to submap {}", frame.submap_id));
   if (frame.submap_id != submap_) {
@@ -91,6 +92,17 @@ void WindowSampler::note_tracked(const FrameEvent& frame) {
   approach_.keep_newest(options_.window_length + kMayBeWithdrawn, options_.shared_keyframes + kMayBeWithdrawn);
   if (frame.has_image) last_tracked_ = sample_of(frame);
   known_submaps_.insert(frame.submap_id);
+}
+
+void WindowSampler::go_on_in(int32_t submap_id) {
+  approach_.rename(submap_, submap_id);
+  if (last_tracked_) last_tracked_->submap_id = submap_id;
+  if (Departure* const now = departure()) {
+    now->samples.rename(submap_, submap_id);
+    now->all.rename(submap_, submap_id);
+    open_->window.submap_after = submap_id;
+  }
+  submap_ = submap_id;
 }
 
 void WindowSampler::resume(const FrameEvent& frame) {

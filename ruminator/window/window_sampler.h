@@ -33,6 +33,8 @@
 //              a frame without a pose, if the submap died young  gap: the same window
 //                ... otherwise                                   gap: complete, and another window opens
 //              withdrawn poses of the submap tracked now         gap: the same window
+//   any        a frame of a new submap, right after one with   the same: it goes on from the last one, in whose unit
+//              a pose                                          and frame of reference its samples are
 //   any        another session, the end                          watching: the window ends
 #pragma once
 
@@ -136,6 +138,7 @@ class WindowSampler {
   bool on_withdrawn(int64_t utime_us);
   std::optional<GapFrame> take_from_approach(int64_t utime_us);
   void note_tracked(const FrameEvent& frame);
+  void go_on_in(int32_t submap_id);  // the submap that goes on from the one tracked now
   void leave_submap();
   void begin_window(int64_t utime_us);
   void list_approach();
