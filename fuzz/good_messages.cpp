@@ -91,7 +91,7 @@ Submap good_submap(SubmapKey key, int keyframes) {
     kf.features = features_at(map, kStep * id, &seen);
     kf.landmark_ids.assign(kf.features->size(), kNone);
     kf.revision = kf.created_revision = id + 1;
-    map.frames[kf.utime_us] = {kf.utime_us, id, SE3(), id + 1};
+    map.frames.set({kf.utime_us, id, SE3(), id + 1});
     for (size_t i = 0; i < seen.size(); ++i) map.add_observation(seen[i], id, static_cast<int>(i));
   }
   return map;

@@ -156,14 +156,13 @@ submap_update_t make_submap_update(const Submap& submap, int64_t base_revision) 
     std::copy_n(landmark.position.data(), 3, wire.position);
     std::memcpy(wire.descriptor, landmark.descriptor.data(), sizeof(Descriptor));
   }
-  for (const auto& [utime, frame] : submap.frames) {
-    if (frame.revision <= base_revision) continue;
+  submap.frames.for_each_after(base_revision, [&u](const FramePose& frame) {
     frame_t& wire = u.frames.emplace_back();
-    wire.utime = utime;
+    wire.utime = frame.utime_us;
     wire.reference_keyframe = frame.reference_keyframe;
     wire.cam_from_keyframe = to_wire(frame.cam_from_keyframe);
     put_sigmas(frame.sigmas, &wire);
-  }
+  });
   for (int id : *removed_keyframes)
     if (!submap.keyframe(id)) u.removed_keyframes.push_back(id);
   for (int id : *removed_landmarks)
@@ -204,8 +203,8 @@ Result<> apply_submap_update(const submap_update_t& update, Submap* submap) {
   apply_landmarks(update, submap);
   apply_keyframes(update, submap);
   for (const frame_t& f : update.frames)
-    submap->frames[f.utime] = {f.utime, f.reference_keyframe, *from_wire(f.cam_from_keyframe), update.revision,
-                               sigmas_of(f)};
+    submap->frames.set({f.utime, f.reference_keyframe, *from_wire(f.cam_from_keyframe), update.revision,
+                               sigmas_of(f)});
   return {};
 }
 

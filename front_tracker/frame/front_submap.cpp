@@ -38,10 +38,7 @@ Keyframe& FrontSubmap::add_keyframe(Frame* frame) {
 }
 
 void FrontSubmap::add_frame(const Frame& frame) {
-  map.set_frame({.utime_us = frame.utime_us,
-                 .reference_keyframe = frame.reference_keyframe,
-                 .cam_from_keyframe = frame.cam_from_keyframe,
-                 .sigmas = sigmas_of(*this, frame)});
+  map.set_frame({frame.utime_us, frame.reference_keyframe, frame.cam_from_keyframe, 0, sigmas_of(*this, frame)});
 }
 
 Landmark& FrontSubmap::add_landmark(const Eigen::Vector3d& position) {

@@ -60,7 +60,7 @@ Submap tidy(const Submap& received) {
     Keyframe& kf = tidied.keyframes[id] = *old;
     kf.id = new_id[old->id] = id;
     std::fill(kf.landmark_ids.begin(), kf.landmark_ids.end(), kNone);
-    tidied.frames[utime_us] = {utime_us, id, SE3(), tidied.revision};
+    tidied.frames.set({utime_us, id, SE3(), tidied.revision});
   }
   for (const auto& [old_id, old] : received.landmarks) {
     std::vector<Observation> seen;

@@ -100,10 +100,10 @@ void Atlas::restore_submap(AtlasSubmap submap) {
 }
 
 void Atlas::note_frames(const Submap& submap, int64_t after_revision) {
-  for (const auto& [utime_us, frame] : submap.frames)
-    if (frame.revision > after_revision &&
-        frames_.try_emplace({utime_us, submap.stream}, FrameRecord{.session = submap.key.session}).second)
+  submap.frames.for_each_after(after_revision, [&](const FramePose& frame) {
+    if (frames_.try_emplace({frame.utime_us, submap.stream}, FrameRecord{.session = submap.key.session}).second)
       ++frames_of_[submap.key.session];
+  });
 }
 
 Result<> Atlas::check_here(const PlacedMap& map) const {

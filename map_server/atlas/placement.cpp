@@ -55,11 +55,11 @@ Submap place(const Submap& submap, const Placement& placement) {
     keyframe.cam_from_submap = placement.cam_from_map(submap.keyframes.at(id));
   for (auto& [id, landmark] : placed.landmarks)
     landmark.position = placement.position_in_map(submap, submap.landmarks.at(id));
-  for (auto& [utime_us, frame] : placed.frames) {
-    const double scale = placement.at(submap, frame).scale;
-    frame.cam_from_keyframe.translation *= scale;
-    frame.sigmas = scaled(frame.sigmas, scale);
-  }
+  placed.frames.change_all([&](FramePose* frame) {
+    const double scale = placement.at(submap, *frame).scale;
+    frame->cam_from_keyframe.translation *= scale;
+    frame->sigmas = scaled(frame->sigmas, scale);
+  });
   return placed;
 }
 

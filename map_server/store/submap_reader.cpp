@@ -119,7 +119,7 @@ void read_poses(int64_t row, Database& database, Submap* s) {
                    pose_sigmas(poses.real(4), poses.real(5), poses.real(6))};  // 0 stands for NULL: unknown
     if (!s->keyframe(pose.reference_keyframe))
       throw std::runtime_error(fmt::format("frame {} hangs on a keyframe that does not exist", pose.utime_us));
-    s->frames.emplace_hint(s->frames.end(), pose.utime_us, pose);
+    s->frames.set(pose);
   }
 }
 

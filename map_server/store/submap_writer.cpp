@@ -120,15 +120,14 @@ void SubmapWriter::write_landmarks(const Submap& s, const StoredSubmap& since) {
 
 void SubmapWriter::write_poses(const Submap& s, const StoredSubmap& since) {
   Statement insert(db_, "INSERT OR REPLACE INTO frame_poses VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
-  for (const auto& [utime_us, frame] : s.frames) {
-    if (frame.revision <= since.revision) continue;
+  s.frames.for_each_after(since.revision, [&](const FramePose& frame) {
     const PoseNumbers pose = pose_numbers(frame.cam_from_keyframe);
     insert
-        .bind(since.row, utime_us, frame.reference_keyframe, as_blob(pose), frame.revision,
+        .bind(since.row, frame.utime_us, frame.reference_keyframe, as_blob(pose), frame.revision,
               or_null(frame.sigmas, frame.sigmas.position), or_null(frame.sigmas, frame.sigmas.rotation_rad),
               or_null(frame.sigmas, frame.sigmas.log_scale))
         .run();
-  }
+  });
 }
 
 }  // namespace rumi::map_server

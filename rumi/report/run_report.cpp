@@ -293,8 +293,7 @@ Submap path_alone(const std::string& folder) {
   first.id = 0;
   submap.keyframes[0] = first;
   for (const TimedPose& pose : path.poses)
-    submap.frames[pose.utime_us] = {
-        .utime_us = pose.utime_us, .reference_keyframe = 0, .cam_from_keyframe = pose.map_from_cam.inverse()};
+    submap.frames.set({pose.utime_us, 0, pose.map_from_cam.inverse()});
   return submap;
 }
 

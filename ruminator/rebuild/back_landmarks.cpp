@@ -131,7 +131,7 @@ void fill_back_submap(const Camera& camera, const std::vector<SeenImage>& images
     keypoints.push_back({"", features->undistorted});
     keyframe.features = std::move(features);
     posed.cam_from_world[keyframe.id] = keyframe.cam_from_submap;
-    submap->set_frame({.utime_us = keyframe.utime_us, .reference_keyframe = keyframe.id, .cam_from_keyframe = SE3()});
+    submap->set_frame({keyframe.utime_us, keyframe.id, SE3()});
     submap->add_keyframe(std::move(keyframe));
   }
   std::vector<ImagePair> pairs;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A map from ids, which are handed out in ascending order, to values. It is used like std::map<int, T>, in order of id
 // and with stable addresses, but finds a value in constant time. Values are kept in leaves of 64 ids; the slot of an
-// erased id (one pointer) is freed only when its leaf holds no other id.
+// erased id (one pointer) is freed only when its leaf holds no other id. Copies of a map share the leaves that neither
+// has changed since: access that is not const counts as a change, and gives the leaf's values new addresses if the leaf
+// is shared.
 #pragma once
 
 #include <array>
@@ -15,6 +17,8 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
+
+#include "slam/map/copy_on_write.h"
 
 namespace rumi {
 
@@ -39,7 +43,7 @@ class IdMap {
     Iterator() = default;
     // NOLINTNEXTLINE(google-explicit-constructor): as the standard's iterators
     operator Iterator<true>() const { return {map_, id_}; }
-    reference operator*() const { return *map_->leaves_[id_ / kLeaf]->values[id_ % kLeaf]; }
+    reference operator*() const { return *map_->leaf(id_).values[id_ % kLeaf]; }
     pointer operator->() const { return &**this; }
     Iterator& operator++() {
       id_ = map_->next(id_ + 1);
@@ -55,8 +59,9 @@ class IdMap {
 
    private:
     friend class IdMap;
-    Iterator(const IdMap* map, size_t id) : map_(map), id_(id) {}
-    const IdMap* map_ = nullptr;
+    using Map = std::conditional_t<kConst, const IdMap, IdMap>;
+    Iterator(Map* map, size_t id) : map_(map), id_(id) {}
+    Map* map_ = nullptr;
     size_t id_ = 0;
   };
   using iterator = Iterator<false>;
@@ -64,19 +69,14 @@ class IdMap {
 
   IdMap() = default;
   IdMap(IdMap&& other) noexcept : leaves_(std::move(other.leaves_)), size_(std::exchange(other.size_, 0)) {}
-  IdMap(const IdMap& other) { *this = other; }
+  IdMap(const IdMap& other) = default;
   IdMap& operator=(IdMap&& other) noexcept {
     leaves_ = std::move(other.leaves_);
     other.leaves_.clear();
     size_ = std::exchange(other.size_, 0);
     return *this;
   }
-  IdMap& operator=(const IdMap& other) {
-    if (this == &other) return *this;
-    clear();
-    for (const auto& [id, value] : other) emplace(id, value);
-    return *this;
-  }
+  IdMap& operator=(const IdMap& other) = default;
   ~IdMap() = default;
 
   bool empty() const { return size_ == 0; }
@@ -104,8 +104,8 @@ class IdMap {
     return at < leaves_.size() && leaves_[at] && (leaves_[at]->used & bit(id)) != 0;
   }
   // Returns nullptr if there is no such id.
-  T* get(int id) { return contains(id) ? &leaves_[id / kLeaf]->values[id % kLeaf]->second : nullptr; }
-  const T* get(int id) const { return contains(id) ? &leaves_[id / kLeaf]->values[id % kLeaf]->second : nullptr; }
+  T* get(int id) { return contains(id) ? &leaf(id).values[id % kLeaf]->second : nullptr; }
+  const T* get(int id) const { return contains(id) ? &leaf(id).values[id % kLeaf]->second : nullptr; }
   T& at(int id) { return *found(id, get(id)); }
   const T& at(int id) const { return *found(id, get(id)); }
 
@@ -118,11 +118,10 @@ class IdMap {
     const bool is_new = !contains(id);
     if (is_new) {
       if (leaves_.size() <= static_cast<size_t>(id) / kLeaf) leaves_.resize(id / kLeaf + 1);
-      std::unique_ptr<Leaf>& leaf = leaves_[id / kLeaf];
-      if (!leaf) leaf = std::make_unique<Leaf>();
-      leaf->values[id % kLeaf] = std::make_unique<value_type>(std::piecewise_construct, std::forward_as_tuple(id),
-                                                              std::forward_as_tuple(std::forward<Values>(values)...));
-      leaf->used |= bit(id);
+      Leaf& leaf = leaves_[id / kLeaf].write();
+      leaf.values[id % kLeaf] = std::make_unique<value_type>(std::piecewise_construct, std::forward_as_tuple(id),
+                                                             std::forward_as_tuple(std::forward<Values>(values)...));
+      leaf.used |= bit(id);
       ++size_;
     }
     return {iterator(this, id), is_new};
@@ -131,10 +130,10 @@ class IdMap {
 
   size_t erase(int id) {
     if (!contains(id)) return 0;
-    std::unique_ptr<Leaf>& leaf = leaves_[id / kLeaf];
-    leaf->values[id % kLeaf].reset();
-    leaf->used &= ~bit(id);
-    if (leaf->used == 0) leaf.reset();
+    Leaf& without = leaf(id);
+    without.values[id % kLeaf].reset();
+    without.used &= ~bit(id);
+    if (without.used == 0) leaves_[id / kLeaf].reset();
     --size_;
     return 1;
   }
@@ -146,9 +145,17 @@ class IdMap {
  private:
   static constexpr int kLeaf = 64;  // ids of a leaf, each with a bit of Leaf::used
   struct Leaf {
+    Leaf() = default;
+    Leaf(const Leaf& other) : used(other.used) {
+      for (int i = 0; i < kLeaf; ++i)
+        if (other.values[i]) values[i] = std::make_unique<value_type>(*other.values[i]);
+    }
     uint64_t used = 0;
     std::array<std::unique_ptr<value_type>, kLeaf> values;
   };
+
+  Leaf& leaf(size_t id) { return leaves_[id / kLeaf].write(); }
+  const Leaf& leaf(size_t id) const { return *leaves_[id / kLeaf]; }
 
   static uint64_t bit(size_t id) { return uint64_t{1} << id % kLeaf; }
   static auto* found(int id, auto* value) {
@@ -176,7 +183,7 @@ class IdMap {
     return l * kLeaf + std::bit_width(leaves_[l]->used) - 1;
   }
 
-  std::vector<std::unique_ptr<Leaf>> leaves_;
+  std::vector<CopyOnWrite<Leaf>> leaves_;
   size_t size_ = 0;
 };
 

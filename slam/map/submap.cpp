@@ -19,7 +19,6 @@ auto* find_in(Map& map, const Key& key) {
 
 Keyframe* Submap::keyframe(int id) { return find_in(keyframes, id); }
 const Keyframe* Submap::keyframe(int id) const { return find_in(keyframes, id); }
-const FramePose* Submap::frame(int64_t utime_us) const { return find_in(frames, utime_us); }
 
 void Submap::begin_front_submap(SubmapKey front_key) {
   key = front_key;
@@ -30,7 +29,7 @@ void Submap::begin_front_submap(SubmapKey front_key) {
   removed_keyframes = removed_landmarks = {};
   for (auto& [id, kf] : keyframes) kf.revision = kf.created_revision = revision;
   for (auto& [id, lm] : landmarks) lm.revision = revision;
-  for (auto& [utime_us, frame] : frames) frame.revision = revision;
+  frames.change_all([this](FramePose* frame) { frame->revision = revision; });
 }
 
 void Submap::close() {
@@ -56,7 +55,7 @@ Landmark& Submap::add_landmark(int id, const Eigen::Vector3d& position) {
 
 void Submap::set_frame(FramePose frame) {
   frame.revision = stamp();
-  frames[frame.utime_us] = frame;
+  frames.set(frame);
 }
 
 void Submap::move_keyframe(int id, const SE3& cam_from_submap) {
@@ -136,18 +135,20 @@ void Submap::remove_keyframe(int id, int heir) {
     touch(*lm);
   }
   const SE3 keyframe_from_heir = kf->cam_from_submap * next->cam_from_submap.inverse();
-  for (auto& [utime, frame] : frames) {
-    if (frame.reference_keyframe != id) continue;
+  std::vector<FramePose> orphans;
+  for (const auto& [utime, frame] : frames)
+    if (frame.reference_keyframe == id) orphans.push_back(frame);
+  for (FramePose& frame : orphans) {
     frame.reference_keyframe = heir;
     frame.cam_from_keyframe = frame.cam_from_keyframe * keyframe_from_heir;
-    frame.revision = stamp();
+    set_frame(frame);
   }
   keyframes.erase(id);
   removed_keyframes.add(id, stamp());
 }
 
 void Submap::remove_frames_from(int64_t utime_us) {
-  frames.erase(frames.lower_bound(utime_us), frames.end());
+  frames.erase_from(utime_us);
   removed_keyframes.forget(stamp());
   removed_landmarks.forget(stamp());
 }

@@ -20,9 +20,9 @@
 #include "slam/features/pyramid.h"
 #include "slam/geometry/camera.h"
 #include "slam/geometry/transform.h"
+#include "slam/map/frame_table.h"
 #include "slam/map/id_map.h"
 #include "slam/map/image_id.h"
-#include "slam/map/pose_sigmas.h"
 #include "slam/map/removals.h"
 
 namespace rumi {
@@ -72,15 +72,6 @@ struct Landmark {
   double octave0_distance = 0;
 };
 
-// cam_from_submap = cam_from_keyframe * keyframe(reference_keyframe).cam_from_submap
-struct FramePose {
-  int64_t utime_us = 0;
-  int reference_keyframe = kNone;
-  SE3 cam_from_keyframe;
-  int64_t revision = 0;
-  PoseSigmas sigmas = {};  // those that were known when the frame got its pose
-};
-
 struct SubmapKey {
   int64_t session = 0;     // identifies the session of front_tracker that the submap belongs to
   int32_t id = kNoSubmap;  // front: 1, 2, 3, ...; back: -1, -2, ...
@@ -101,7 +92,7 @@ class Submap {
 
   std::map<int, Keyframe> keyframes;    // by id
   IdMap<Landmark> landmarks;            // by id
-  std::map<int64_t, FramePose> frames;  // by utime_us; keyframes have an entry too
+  FrameTable frames;                    // keyframes have an entry too
   Removals removed_keyframes, removed_landmarks;
 
   Keyframe* keyframe(int id);
@@ -146,7 +137,7 @@ class Submap {
   void fuse_landmarks(int into, int from);
 
   // Returns nullptr if the frame has no pose in this submap.
-  const FramePose* frame(int64_t utime_us) const;
+  const FramePose* frame(int64_t utime_us) const { return frames.get(utime_us); }
   // Throws std::logic_error if the frame's reference keyframe does not exist.
   SE3 cam_from_submap(const FramePose& frame) const;
 

@@ -58,7 +58,7 @@ class FeatureScene {
       Frame f = frame(static_cast<int64_t>(100'000 * (v + 1)), poses[v], &point_of);
       f.cam_from_submap = poses[v];
       const int id = s->add_keyframe(&f).id;
-      s->map.frames[f.utime_us] = {f.utime_us, id, SE3(), 1};
+      s->map.frames.set({f.utime_us, id, SE3(), 1});
       for (size_t k = 0; k < point_of.size(); ++k)
         if (point_of[k] != kNone) seen[point_of[k]].emplace_back(id, static_cast<int>(k));
     }

@@ -44,7 +44,7 @@ class LocalizeOnlyTest : public ::testing::Test {
     for (auto& [id, keyframe] : submap.keyframes) {
       keyframe.revision = keyframe.created_revision = 1;
       keyframe.utime_us += first_utime_us(key);
-      submap.frames[keyframe.utime_us] = {keyframe.utime_us, id, {}, 1};
+      submap.frames.set({keyframe.utime_us, id, {}, 1});
     }
     for (auto& [id, landmark] : submap.landmarks) landmark.revision = 1;
     return submap;

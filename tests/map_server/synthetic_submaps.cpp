@@ -130,7 +130,7 @@ class Maker {
     keyframe.features = std::make_shared<Features>(images_[image].features);
     keyframe.landmark_ids.assign(keyframe.features->size(), kNone);
     keyframe.revision = keyframe.created_revision = 1;
-    made_.submap.frames[keyframe.utime_us] = {keyframe.utime_us, id, SE3(), 1};
+    made_.submap.frames.set({keyframe.utime_us, id, SE3(), 1});
     image_of_.push_back(image);
     for (size_t k = 0; k < images_[image].point_of.size(); ++k)
       seen_[images_[image].point_of[k]].push_back({id, static_cast<int>(k)});
@@ -142,7 +142,7 @@ class Maker {
     const auto after = std::upper_bound(image_of_.begin(), image_of_.end(), image);
     const int reference = static_cast<int>(after == image_of_.begin() ? 0 : after - image_of_.begin() - 1);
     const SE3 cam_from_keyframe = noisy_pose(image) * made_.submap.keyframes.at(reference).cam_from_submap.inverse();
-    made_.submap.frames[utime_us] = {utime_us, reference, cam_from_keyframe, 1};
+    made_.submap.frames.set({utime_us, reference, cam_from_keyframe, 1});
   }
 
   void add_landmark(int p) {

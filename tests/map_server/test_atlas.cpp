@@ -99,7 +99,7 @@ void SubmapMaker::step() {
     // The first pose has unknown sigmas. They are computed, because drawing random numbers would change all submaps.
     const auto length = static_cast<float>(pose.translation.norm());
     const PoseSigmas sigmas = i == 0 ? PoseSigmas() : PoseSigmas{length, 0.1F * length, 0.01F * length};
-    submap_.frames[next_utime_us_] = {next_utime_us_, keyframe, pose, submap_.revision, sigmas};
+    submap_.frames.set({next_utime_us_, keyframe, pose, submap_.revision, sigmas});
     next_utime_us_ += kFramePeriodUs;
   }
   for (int i = 0; i < 15; ++i) add_landmark();

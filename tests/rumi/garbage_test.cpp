@@ -79,7 +79,7 @@ submap_update_t small_update() {
     kf.features = features;
     kf.landmark_ids.assign(10, kNone);
     kf.revision = kf.created_revision = 2;
-    map.frames[kf.utime_us] = {kf.utime_us, id, SE3(), 2};
+    map.frames.set({kf.utime_us, id, SE3(), 2});
   }
   map.landmarks[0].id = 0;
   map.landmarks[0].position = {0, 0, 1};

@@ -45,7 +45,7 @@ inline Submap make_test_submap(int keyframes = 4, int landmarks = 20) {
     frame.utime_us = keyframe.utime_us;
     frame.reference_keyframe = k;
     frame.revision = 1;
-    submap.frames[frame.utime_us] = frame;
+    submap.frames.set(frame);
   }
   return submap;
 }

@@ -77,7 +77,7 @@ Submap fake_submap(const WindowJob& job) {
     keyframe.features = features;
     keyframe.landmark_ids = {kNone};
     keyframe.revision = keyframe.created_revision = 1;
-    submap.frames[image.utime] = {image.utime, keyframe.id, SE3(), 1};
+    submap.frames.set({image.utime, keyframe.id, SE3(), 1});
     submap.keyframes[keyframe.id] = std::move(keyframe);
   }
   Landmark landmark;

@@ -42,7 +42,7 @@ inline Submap make_test_submap(int id, double begin_s, double end_s, const std::
       submap.keyframes[reference] = keyframe;
     }
     FramePose frame{utime_us, reference, cam_from_submap * submap.keyframes[reference].cam_from_submap.inverse(), 1};
-    submap.frames[utime_us] = frame;
+    submap.frames.set(frame);
   }
   cv::RNG rng(static_cast<uint64_t>(id) + 5);
   for (int i = 0; i < landmarks; ++i) {

@@ -92,13 +92,13 @@ class SubmapEditor {
     kf.landmark_ids.assign(features->keypoints.size(), kNone);
     kf.features = features;
     kf.revision = kf.created_revision = submap.revision;
-    submap.frames[next_utime_] = {next_utime_, kf.id, SE3(), submap.revision};
+    submap.frames.set({next_utime_, kf.id, SE3(), submap.revision});
     next_utime_ += 33333;
     submap.keyframes[kf.id] = kf;
   }
   void add_frame() {
     ++submap.revision;
-    submap.frames[next_utime_] = {next_utime_, pick(submap.keyframes), pose(), submap.revision};
+    submap.frames.set({next_utime_, pick(submap.keyframes), pose(), submap.revision});
     next_utime_ += 33333;
   }
   void add_landmark() {

@@ -243,7 +243,7 @@ Submap tiny() {
   features->keypoints.resize(3, {Eigen::Vector2f(1, 2), 0, 0});
   features->descriptors.resize(3);
   s.keyframes[4] = {4, 100, SE3(), features, {kNone, kNone, kNone}, 1, 1};
-  s.frames[100] = {100, 4, SE3(), 1};
+  s.frames.set({100, 4, SE3(), 1});
   for (int id : {7, 8}) {
     Landmark& lm = s.landmarks[id];
     lm.id = id;
@@ -287,7 +287,7 @@ TEST(SubmapUpdateTest, RemovalsMayNotLeaveReferences) {
 TEST(SubmapUpdateTest, DeviationsTravelWithTheFrames) {
   Submap source = tiny(), copy;
   source.frames[100].sigmas = {0.1F, 0.003F, 0};
-  source.frames[200] = {200, 4, SE3(), 1};
+  source.frames.set({200, 4, SE3(), 1});
   ASSERT_EQ(send(source, 0, &copy), "");
   EXPECT_EQ(copy.frames.at(100).sigmas, (PoseSigmas{0.1F, 0.003F, 0}));
   EXPECT_EQ(copy.frames.at(200).sigmas, PoseSigmas());

@@ -25,7 +25,7 @@ Submap back_submap(unsigned seed, int id, int64_t begin_us = 0) {
   submap.frames.clear();
   for (auto& [kf_id, kf] : submap.keyframes) {
     kf.utime_us += begin_us;
-    submap.frames[kf.utime_us] = {kf.utime_us, kf_id, SE3(), 1};
+    submap.frames.set({kf.utime_us, kf_id, SE3(), 1});
   }
   return submap;
 }

@@ -35,7 +35,7 @@ Submap rebuilt(const RenderedWalk& walk) {
   submap.frames.clear();
   for (auto& [id, kf] : submap.keyframes) {
     kf.cam_from_submap.translation *= 3;
-    submap.frames[kf.utime_us] = {kf.utime_us, id, SE3(), 1};
+    submap.frames.set({kf.utime_us, id, SE3(), 1});
   }
   for (auto& [id, lm] : submap.landmarks) lm.position *= 3;
   return submap;

@@ -37,7 +37,7 @@ TEST(MotionModel, TheLastFrameGoesWhereMappingMovesItsKeyframe) {
   Frame last = frame_at(100'000, 1);
   last.reference_keyframe = 1;
   last.cam_from_keyframe = last.cam_from_submap;
-  map.frames[last.utime_us] = {last.utime_us, 1, last.cam_from_keyframe};
+  map.frames.set({last.utime_us, 1, last.cam_from_keyframe});
   MotionModel motion;
   motion.begin_at(last);
 

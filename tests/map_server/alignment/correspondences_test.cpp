@@ -37,7 +37,7 @@ Submap hand_made(const std::map<int64_t, std::vector<Seen>>& images, double dept
     keyframe.utime_us = utime_us;
     keyframe.features = std::make_shared<Features>(features);
     keyframe.landmark_ids.assign(seen.size(), kNone);
-    submap.frames[utime_us] = {utime_us, id, SE3(), 1};
+    submap.frames.set({utime_us, id, SE3(), 1});
     for (size_t k = 0; k < seen.size(); ++k) {
       if (seen[k].landmark == kNone) continue;
       Landmark& landmark = submap.landmarks[seen[k].landmark];

@@ -126,7 +126,7 @@ TEST(Atlas, AKeyframeCountsMoreThanAFrameBetweenKeyframes) {
                              })->first;
   Keyframe& keyframe = back.keyframes.begin()->second;
   keyframe.utime_us = between_us;
-  back.frames[between_us] = {between_us, keyframe.id, SE3(), back.revision};
+  back.frames.set({between_us, keyframe.id, SE3(), back.revision});
   Atlas atlas;
   update_atlas(&atlas, front);
   update_atlas(&atlas, back);

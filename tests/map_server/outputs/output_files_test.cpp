@@ -258,7 +258,7 @@ Submap wall_submap(const Camera& camera) {
     features->descriptors.resize(features->keypoints.size());
     keyframe.features = features;
     keyframe.landmark_ids.assign(40, kNone);
-    s.frames[keyframe.utime_us] = {keyframe.utime_us, id, SE3(), 1};
+    s.frames.set({keyframe.utime_us, id, SE3(), 1});
   }
   for (int keyframe = 0; keyframe < 4; ++keyframe)
     for (int landmark = 0; landmark < 40; ++landmark) s.add_observation(landmark, keyframe, landmark);

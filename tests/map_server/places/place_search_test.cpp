@@ -25,7 +25,7 @@ class PlaceSearchTest : public ::testing::Test {
     for (auto& [id, keyframe] : later_.keyframes) keyframe.utime_us += kLaterUs;
     for (Submap* submap : {&front_, &back_, &later_})
       for (const auto& [id, keyframe] : submap->keyframes)
-        submap->frames[keyframe.utime_us] = {keyframe.utime_us, id, {}, 1};
+        submap->frames.set({keyframe.utime_us, id, {}, 1});
   }
 
   std::map<SubmapKey, int> links_of(const PlaceLinks& places) {

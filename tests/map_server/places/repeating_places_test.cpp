@@ -99,7 +99,7 @@ class Builder {
     for (auto& [id, keyframe] : pair.b.keyframes) keyframe.utime_us += 100'000'000;
     for (Submap* submap : {&pair.a, &pair.b})
       for (const auto& [id, keyframe] : submap->keyframes)
-        submap->frames[keyframe.utime_us] = {keyframe.utime_us, id, {}, 1};
+        submap->frames.set({keyframe.utime_us, id, {}, 1});
     return pair;
   }
   Pair pair(const Points& seen_by_a, const Points& seen_by_b) { return pair(seen_by_a, seen_by_b, path_b()); }

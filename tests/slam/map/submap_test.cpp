@@ -23,7 +23,7 @@ Submap small_submap() {
                       .cam_from_submap = SyntheticScene::pose(id, 0, 0),
                       .features = features,
                       .landmark_ids = {}});
-    map.set_frame({.utime_us = 1000 * id, .reference_keyframe = id, .cam_from_keyframe = SE3()});
+    map.set_frame({1000 * id, id, SE3()});
   }
   for (int id = 0; id < 2; ++id) map.add_landmark(id, {0.5, 0, 4});
   return map;
@@ -82,14 +82,14 @@ TEST(Submap, FramesOfARemovedKeyframeStayWhereTheyWere) {
   Submap map = small_submap();
   map.add_observation(0, 1, 1);
   map.add_observation(0, 0, 1);
-  map.frames[1500] = {1500, 1, SyntheticScene::pose(0.1, 0.2, 0, 0.1), 1};
-  const SE3 before = map.cam_from_submap(map.frames[1500]);
+  map.frames.set({1500, 1, SyntheticScene::pose(0.1, 0.2, 0, 0.1), 1});
+  const SE3 before = map.cam_from_submap(*map.frame(1500));
   map.remove_keyframe(1, 9);
   EXPECT_NE(map.keyframe(1), nullptr) << "no heir, no removal";
   map.remove_keyframe(1, 0);
   EXPECT_EQ(map.keyframe(1), nullptr);
-  EXPECT_EQ(map.frames[1500].reference_keyframe, 0);
-  EXPECT_LT((map.cam_from_submap(map.frames[1500]).log() - before.log()).norm(), 1e-12);
+  EXPECT_EQ(map.frame(1500)->reference_keyframe, 0);
+  EXPECT_LT((map.cam_from_submap(*map.frame(1500)).log() - before.log()).norm(), 1e-12);
   expect_consistent(map);
 }
 
@@ -130,7 +130,7 @@ Submap sent_submap() {
   map.add_keyframe({.id = 0, .utime_us = 1000, .cam_from_submap = {}, .features = features, .landmark_ids = {}});
   map.add_landmark(0, {0, 0, 4});
   map.add_observation(0, 0, 1);
-  map.set_frame({.utime_us = 1000, .reference_keyframe = 0, .cam_from_keyframe = {}});
+  map.set_frame({1000, 0, SE3()});
   map.hand_out();
   return map;
 }
@@ -151,7 +151,7 @@ TEST(Submap, EachKindOfChangeRaisesTheRevisionAndStampsWhatItChanges) {
   EXPECT_EQ(map.landmark(0)->revision, 2);
   EXPECT_EQ(map.landmark(0)->position.z(), 5);
   map = sent;
-  map.set_frame({.utime_us = 2000, .reference_keyframe = 0, .cam_from_keyframe = {}});
+  map.set_frame({2000, 0, SE3()});
   EXPECT_EQ(map.frame(2000)->revision, 2);
   map = sent;
   map.close();
@@ -170,7 +170,7 @@ TEST(Submap, WhatDoesNotExistIsNotMoved) {
 
 TEST(Submap, WithoutSomeFramesItIsSentAsAWhole) {
   Submap map = sent_submap();
-  map.set_frame({.utime_us = 2000, .reference_keyframe = 0, .cam_from_keyframe = {}});
+  map.set_frame({2000, 0, SE3()});
   map.remove_frames_from(2000);
   EXPECT_EQ(map.frames.size(), 1u);
   EXPECT_EQ(map.removed_keyframes.since(1), std::nullopt);
