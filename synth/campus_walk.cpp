@@ -17,10 +17,10 @@ using Eigen::Vector3d;
 
 constexpr double kStart_s = 1000;  // not 0, because a time of 0 often means that there is no time
 constexpr double kSampleHz = 50;
-constexpr double kBlock_m = 46, kJitter_m = 7;  // ways lie on a loose grid
+constexpr double kBlock_m = 31, kJitter_m = 4;  // ways lie on a loose grid
 constexpr double kCorner_m = 2.0;               // the robot leaves its way so far before a corner
 constexpr double kMaxTurn_radps = 55 * M_PI / 180;
-constexpr int kTries = 300;
+constexpr int kTries = 8000;
 
 // The ways: a grid of places, each joined with its neighbours.
 struct Ways {
@@ -39,8 +39,9 @@ struct Ways {
 };
 
 Ways make_ways(double length_m, cv::RNG& rng) {
-  // As many ways as make up two thirds of the round: a grid of n places has about 2 n - 2 sqrt(n) of them.
-  const double edges = std::max(5.0, 0.66 * length_m / kBlock_m);
+  // A few more ways than the round is long: what it goes twice, and what it leaves out, is about as much. A grid of n
+  // by n places has 2 n (n - 1) ways.
+  const double edges = std::max(4.0, 1.2 * length_m / kBlock_m);
   int n = 2;
   while (2 * n * n - 2 * n < edges) ++n;
   Ways ways{.columns = n, .rows = n, .places = {}};
@@ -51,17 +52,21 @@ Ways make_ways(double length_m, cv::RNG& rng) {
   return ways;
 }
 
-// Returns a round of at least that length. It prefers ways on which it was less often, and never turns back at once.
+// Returns a round of at least that length. It prefers ways on which it was less often, goes straight on rather than
+// around a corner, and never turns back at once.
 std::vector<int> make_round(const Ways& ways, double length_m, cv::RNG& rng) {
   std::vector<int> round{rng.uniform(0, static_cast<int>(ways.places.size()))};
   std::map<std::pair<int, int>, int> gone;
+  // How much it prefers ways that are new, and going straight on: each round has its own taste.
+  const double novelty = rng.uniform(0.0, 1.2), turning = rng.uniform(0.0, 2.0);
   double length = 0;
   while (length < length_m) {
     const int here = round.back(), before = round.size() > 1 ? round[round.size() - 2] : -1;
     int best = -1;
     double least = 1e9;
     for (const int next : ways.neighbours(here)) {
-      const double cost = gone[{std::min(here, next), std::max(here, next)}] + rng.uniform(0.0, 1.4);
+      const double cost = novelty * gone[{std::min(here, next), std::max(here, next)}] + rng.uniform(0.0, 1.4) +
+                          (next - here == here - before ? 0 : turning);
       if (next != before && cost < least) {
         least = cost;
         best = next;
@@ -77,12 +82,12 @@ std::vector<int> make_round(const Ways& ways, double length_m, cv::RNG& rng) {
 // Counts the places at which the round crosses itself: it goes straight on where it went across before.
 int crossings(const Ways& ways, const std::vector<int>& round) {
   int count = 0;
-  std::map<int, int> straight;  // by place: bits of the directions in which it was passed
+  std::map<std::pair<int, int>, int> straight;  // how often a place was passed along x (1) or y
   for (size_t i = 1; i + 1 < round.size(); ++i) {
-    if (std::abs(round[i + 1] - round[i]) != std::abs(round[i] - round[i - 1])) continue;
-    const int bit = std::abs(round[i + 1] - round[i]) == 1 && ways.columns > 1 ? 1 : 2;
-    if (straight[round[i]] & (3 - bit)) ++count;
-    straight[round[i]] |= bit;
+    const int step = std::abs(round[i] - round[i - 1]);
+    if (std::abs(round[i + 1] - round[i]) != step) continue;
+    count += straight[{round[i], step == 1 ? ways.columns : 1}];
+    ++straight[{round[i], step}];
   }
   return count;
 }

@@ -64,10 +64,7 @@ void specks(cv::Mat& image, int count, int most_px, int low, int high, cv::RNG& 
   for (int i = 0; i < count; ++i) {
     const cv::Point at = somewhere(rng);
     const int radius = rng.uniform(1, most_px + 1), ink = rng.uniform(low, high);
-    const double turn = rng.uniform(0, 180);
-    const cv::Size axes(radius, std::max(1, radius * rng.uniform(4, 11) / 10));
-    wrapped(at, radius + 1,
-            [&](cv::Point shift) { cv::ellipse(image, at + shift, axes, turn, 0, 360, ink, cv::FILLED); });
+    wrapped(at, radius + 1, [&](cv::Point shift) { cv::circle(image, at + shift, radius, ink, cv::FILLED); });
   }
 }
 

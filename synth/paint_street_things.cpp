@@ -118,13 +118,13 @@ cv::Mat paint_marking(cv::RNG& rng) {
 }
 
 cv::Mat paint_sky(double clouds, cv::RNG& rng) {
-  const cv::Size size(4000, 1000);
-  cv::Mat noise = octave_noise(size, rng, 180, 0.58, 2.2), tone(size, CV_8U), accent = cv::Mat::zeros(size, CV_8U);
+  const cv::Size size(2400, 600);
+  cv::Mat noise = octave_noise(size, rng, 108, 0.58, 2.2), tone(size, CV_8U), accent = cv::Mat::zeros(size, CV_8U);
   // The right end fades into what begins on the left.
-  constexpr int kSeam = 400;
-  const cv::Mat begin = octave_noise({kSeam, size.height}, rng, 180, 0.58, 2.2);
-  const cv::Mat ridge = octave_noise({size.width, 1}, rng, 500, 0.55),
-                wood = octave_noise({size.width, 1}, rng, 16, 0.8);
+  constexpr int kSeam = 240;
+  const cv::Mat begin = octave_noise({kSeam, size.height}, rng, 108, 0.58, 2.2);
+  const cv::Mat ridge = octave_noise({size.width, 1}, rng, 300, 0.55),
+                wood = octave_noise({size.width, 1}, rng, 10, 0.8);
   for (int x = 0; x < size.width; ++x) {
     const double in = std::min(1.0, std::min(x, size.width - 1 - x) / static_cast<double>(kSeam));
     for (int y = 0; y < size.height; ++y) {

@@ -55,6 +55,36 @@ CarShape car_shape(int kind) {
   return s;
 }
 
+constexpr double kBelt_m = 0.93;  // height of a car's windows
+
+// `at` returns the pixel of a point of the side: x and z in metres.
+template <class At>
+void paint_car_windows(const CarShape& shape, const At& at, cv::Mat& tone, cv::Mat& accent, cv::RNG& rng) {
+  // Windows follow the outline at a distance above the belt.
+  std::vector<cv::Point> glass;
+  double first = 9, last = -9;
+  for (const cv::Point2d& p : shape.outline)
+    if (p.y > kBelt_m + 0.2) {
+      glass.push_back(at(0.93 * p.x, p.y - 0.09));
+      first = std::min(first, p.x);
+      last = std::max(last, p.x);
+    }
+  const double rear_window = shape.height_m > 1.8 ? 0.35 : first - 0.15;
+  if (shape.height_m > 1.8) {  // the load of a van has no windows
+    glass = {at(rear_window, shape.height_m - 0.2), at(last - 0.15, shape.height_m - 0.25)};
+    cv::rectangle(accent, at(-2.3, 1.3), at(0.2, 1.1), rng.uniform(80, 255), cv::FILLED);
+    for (int i = 0; i < 7; ++i) {
+      const double x = rng.uniform(-2.0, 0.1), z = rng.uniform(1.0, 1.7), r = rng.uniform(0.05, 0.25);
+      cv::circle(i % 2 ? tone : accent, at(x, z), static_cast<int>(r * kCarPxPerM), rng.uniform(0, 255),
+                 i % 3 ? cv::FILLED : 3);
+    }
+  }
+  glass.push_back(at(last + 0.32, kBelt_m));
+  glass.push_back(at(rear_window, kBelt_m));
+  cv::fillPoly(tone, std::vector<std::vector<cv::Point>>{glass}, 28, cv::LINE_AA);
+  cv::line(tone, at(rear_window + .2, kBelt_m + .05), at(rear_window + .6, kBelt_m + .4), 120, 3, cv::LINE_AA);
+}
+
 // The picture spans the car's length from rear (left) to front, and from its top to the ground.
 cv::Mat paint_car_side(const CarShape& shape, cv::RNG& rng) {
   const double k = kCarPxPerM;
@@ -66,32 +96,10 @@ cv::Mat paint_car_side(const CarShape& shape, cv::RNG& rng) {
   for (int y = 0; y < size.height; ++y) tone.row(y).setTo(225 - 120 * y / size.height);
   cv::rectangle(tone, at(-3, .36), at(3, .2), 25, cv::FILLED);
   cv::line(tone, at(-3, .62), at(3, .62), 70, 2);
-  // Windows follow the outline at a distance above the belt.
-  const double belt = 0.93;
-  std::vector<cv::Point> glass;
-  double first = 9, last = -9;
-  for (const cv::Point2d& p : shape.outline)
-    if (p.y > belt + 0.2) {
-      glass.push_back(at(0.93 * p.x, p.y - 0.09));
-      first = std::min(first, p.x);
-      last = std::max(last, p.x);
-    }
-  const double rear_window = shape.height_m > 1.8 ? 0.35 : first - 0.15;
-  if (shape.height_m > 1.8) {  // the load of a van has no windows
-    glass = {at(rear_window, shape.height_m - 0.2), at(last - 0.15, shape.height_m - 0.25)};
-    cv::rectangle(accent, at(-2.3, 1.3), at(0.2, 1.1), rng.uniform(80, 255), cv::FILLED);
-    for (int i = 0; i < 7; ++i) {
-      const double x = rng.uniform(-2.0, 0.1), z = rng.uniform(1.0, 1.7), r = rng.uniform(0.05, 0.25);
-      cv::circle(i % 2 ? tone : accent, at(x, z), static_cast<int>(r * k), rng.uniform(0, 255), i % 3 ? cv::FILLED : 3);
-    }
-  }
-  glass.push_back(at(last + 0.32, belt));
-  glass.push_back(at(rear_window, belt));
-  cv::fillPoly(tone, std::vector<std::vector<cv::Point>>{glass}, 28, cv::LINE_AA);
-  cv::line(tone, at(rear_window + .2, belt + .05), at(rear_window + .6, belt + .4), 120, 3, cv::LINE_AA);
+  paint_car_windows(shape, at, tone, accent, rng);
   for (const double x : {-0.75, 0.15, 1.0}) {
-    cv::line(tone, at(x, 0.4), at(x, belt), 50, 2, cv::LINE_AA);
-    if (x < 1 && shape.height_m < 1.8) cv::line(tone, at(x, belt), at(x - .05, 1.5), 60, 6, cv::LINE_AA);
+    cv::line(tone, at(x, 0.4), at(x, kBelt_m), 50, 2, cv::LINE_AA);
+    if (x < 1 && shape.height_m < 1.8) cv::line(tone, at(x, kBelt_m), at(x - .05, 1.5), 60, 6, cv::LINE_AA);
     cv::rectangle(tone, at(x - 0.22, 0.84), at(x - 0.06, 0.8), 245, cv::FILLED);
   }
   for (const double x : shape.axles_m)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a sequence shows: a room or a street.
+// A room or a street, which a sequence shows.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -185,8 +185,10 @@ cv::Mat SequenceRenderer::render(int frame) {
     const double sigma = std::max(0.3, blur * kBlurPx * s.options.camera.width / 640);
     cv::GaussianBlur(sum, sum, {}, sigma, sigma, cv::BORDER_REPLICATE);
   }
-  const double swing =
-      s.options.exposure_swing * std::sin(2 * M_PI * since_first / 9.7 + static_cast<double>(s.options.seed % 7));
+  // A street has an automatic exposure, which depends on the time alone, so that parts of a path equal the whole.
+  const double swing = s.street ? 0
+                                : s.options.exposure_swing *
+                                      std::sin(2 * M_PI * since_first / 9.7 + static_cast<double>(s.options.seed % 7));
   const double gain = s.scene->gain(t) * kExposureGain * (1 + swing) * (1 - (1 - kDarkGain) * hard(Kind::kDark));
   return s.sensor.expose(sum, gain, s.options.seed * 1000033 + static_cast<uint64_t>(frame));
 }

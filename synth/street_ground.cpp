@@ -143,14 +143,13 @@ class GroundBuilder {
 };
 
 // Lays a picture on the road, in pieces that follow the ground. Its length is along the yaw.
-void lay(const StreetSite& site, const Place& place, double left_m, double length_m, double width_m,
-         const Surface& surface, StreetMeshBuilder* mesh) {
+void lay(const StreetSite& site, const Place& place, double left_m, double width_m, const Surface& surface,
+         StreetMeshBuilder* mesh) {
+  const double length_m = place.size_m;
   const Vector2d t(std::cos(place.yaw_rad), std::sin(place.yaw_rad)), left(-t.y(), t.x());
   const auto corner = [&](double u, double v) {
     const Vector2d at = place.at + (u - 0.5) * length_m * t + (left_m + (0.5 - v) * width_m) * left;
-    Vector3d p = site.on_ground(at);
-    p.z() = site.field.ground_m(at) + kMark_m;
-    return Corner{p, u, v};
+    return Corner{{at.x(), at.y(), site.field.ground_m(at) + kMark_m}, u, v};
   };
   const int n = std::max(1, static_cast<int>(std::ceil(length_m / 0.8))),
             m = std::max(1, static_cast<int>(std::ceil(width_m / 0.8)));
@@ -170,15 +169,13 @@ void build_marks(const StreetSite& site, StreetMeshBuilder* mesh) {
   const StreetModels& m = site.models;
   const Palette white{{90, 90, 90}, {250, 250, 246}, {0, 0, 0}}, iron{{16, 16, 17}, {150, 146, 140}, {0, 0, 0}},
       tar{{24, 24, 26}, {150, 150, 152}, {0, 0, 0}};
-  for (const Place& p : site.plan.patches)
-    lay(site, p, 0, p.size_m, 0.35 + 0.4 * p.size_m, {pick(m.tar, p.number), tar}, mesh);
-  for (const Place& p : site.plan.dashes) lay(site, p, 0, p.size_m, 0.14, {pick(m.markings, p.number), white}, mesh);
+  for (const Place& p : site.plan.patches) lay(site, p, 0, 0.35 + 0.4 * p.size_m, {pick(m.tar, p.number), tar}, mesh);
+  for (const Place& p : site.plan.dashes) lay(site, p, 0, 0.14, {pick(m.markings, p.number), white}, mesh);
   for (const Place& p : site.plan.zebras)
     for (int k = -4; k <= 4; ++k)
       if (std::abs(k) * 1.0 < site.style.kerb_m - 0.5)
-        lay(site, p, k, p.size_m, 0.5, {pick(m.markings, p.number + static_cast<uint64_t>(k + 4)), white}, mesh);
-  for (const Place& p : site.plan.manholes)
-    lay(site, p, 0, p.size_m, p.size_m, {pick(m.manholes, p.number), iron}, mesh);
+        lay(site, p, k, 0.5, {pick(m.markings, p.number + static_cast<uint64_t>(k + 4)), white}, mesh);
+  for (const Place& p : site.plan.manholes) lay(site, p, 0, p.size_m, {pick(m.manholes, p.number), iron}, mesh);
 }
 
 }  // namespace rumi::synth

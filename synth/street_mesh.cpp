@@ -10,6 +10,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kChunk_m = 40;
+constexpr double kLeafSun = 0.6;  // share of the sun that a leaf gets between the others
 
 // The normal of a polygon that is clockwise as seen from its front (Newell's method).
 Vector3d normal_of(const std::vector<Vector3d>& corners) {
@@ -56,7 +57,7 @@ void add_face(const Face& face, const SE3& street_from_model, const Palette* pai
   corners.reserve(face.corners.size());
   for (const Corner& corner : face.corners) corners.push_back(street_from_model * corner.at);
   const Vector3d normal = shadow == Shadow::kLeaf ? Vector3d(Vector3d::UnitZ()) : normal_of(corners);
-  const double sky = light.sky(normal), sun = light.sun(normal);
+  const double sky = light.sky(normal), sun = light.sun(normal) * (shadow == Shadow::kLeaf ? kLeafSun : 1);
   const Palette& palette = face.painted && paint ? *paint : face.surface.palette;
   const TextureAtlas::Patch& patch = face.surface.patch;
   const uint32_t first = static_cast<uint32_t>(out->vertices.size());

@@ -58,6 +58,13 @@ void main() {
   if (t.g > 0.5) discard;
   vec3 paint = mix(f_dark, f_bright, t.r);
 #else
+#ifdef GROUND
+  // Near the camera a picture of asphalt, turned and much smaller, adds grain that the ground's own picture is too
+  // coarse for.
+  vec2 grain_at = mat2(4.1, 3.3, -3.3, 4.1) * f_uv.xy;
+  float near = clamp(1.0 + 36.0 * log(1.0 - f_light.w), 0.0, 1.0);
+  t.r = clamp(t.r + near * 0.55 * (texture(atlas, vec3(grain_at, 0.0), -0.5).r - 0.43), 0.0, 1.0);
+#endif
   vec3 paint = mix(mix(f_dark, f_bright, t.r), f_accent, t.g * 0.85);
 #endif
   float sun = f_light.y * mix(1.0, texture(shadows, vec3(f_map, 0.0)).r, f_light.z);
@@ -85,10 +92,6 @@ double sight_m(DrawnAs drawn_as) {
   return 200;
 }
 
-bool has_holes(DrawnAs drawn_as) {
-  return drawn_as == DrawnAs::kMarks || drawn_as == DrawnAs::kLeaves || drawn_as == DrawnAs::kFarLeaves;
-}
-
 void upload_shadows(const cv::Mat& shadows) {
   const cv::Mat whole = shadows.clone();
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -110,8 +113,9 @@ StreetRasterizer::StreetRasterizer(StreetPicture picture, const Camera& pinhole)
   const Eigen::Vector2d size(picture.shadows.cols * picture.shadows_cell_m,
                              picture.shadows.rows * picture.shadows_cell_m);
   shadow_map_ << picture.shadows_low, size.cwiseInverse();
-  solid_ = compile(false);
-  with_holes_ = compile(true);
+  solid_ = compile(nullptr);
+  ground_ = compile("GROUND");
+  with_holes_ = compile("HOLES");
   unsigned ignored = 0;
   const Triangles still{std::move(picture.mesh.vertices), std::move(picture.mesh.indices)};
   still_ = make_buffers(&still, &ignored, &ignored);
@@ -131,8 +135,8 @@ StreetRasterizer::StreetRasterizer(StreetPicture picture, const Camera& pinhole)
 
 StreetRasterizer::~StreetRasterizer() = default;  // the context destroys all objects of OpenGL
 
-StreetRasterizer::Program StreetRasterizer::compile(bool holes) const {
-  const std::string head = std::string("#version 330 core\n") + (holes ? "#define HOLES\n" : "");
+StreetRasterizer::Program StreetRasterizer::compile(const char* define) const {
+  const std::string head = std::string("#version 330 core\n") + (define ? std::string("#define ") + define + "\n" : "");
   Program p{.id = compile_program(head + kVertexShader, head + kFragmentShader)};
   p.clip = glGetUniformLocation(p.id, "clip_from_street");
   p.camera = glGetUniformLocation(p.id, "camera");
@@ -173,11 +177,11 @@ bool StreetRasterizer::in_sight(const StreetPart& part, const SE3& cam_from_stre
 }
 
 // Draws the nearest parts first, because what they hide then costs nothing.
-void StreetRasterizer::draw_parts(const SE3& cam_from_street, bool holes) {
+void StreetRasterizer::draw_parts(const SE3& cam_from_street, std::initializer_list<DrawnAs> kinds) {
   const Vector3d camera = cam_from_street.center();
   std::vector<std::pair<double, const StreetPart*>> seen;
   for (const StreetPart& part : parts_)
-    if (has_holes(part.drawn_as) == holes && in_sight(part, cam_from_street, camera))
+    if (std::find(kinds.begin(), kinds.end(), part.drawn_as) != kinds.end() && in_sight(part, cam_from_street, camera))
       seen.emplace_back((camera.cwiseMax(part.low).cwiseMin(part.high) - camera).norm(), &part);
   std::stable_sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<GLsizei> counts;
@@ -223,9 +227,11 @@ void StreetRasterizer::draw_all(const SE3& cam_from_street, const Triangles& mov
   };
   use(solid_, clip * view, camera, blankness, kHazePerM);
   if (!moving.indices.empty()) draw_other(moving_, moving.indices.size());
-  draw_parts(cam_from_street, false);
+  draw_parts(cam_from_street, {DrawnAs::kFar, DrawnAs::kNear, DrawnAs::kSmall});
+  use(ground_, clip * view, camera, blankness, kHazePerM);
+  draw_parts(cam_from_street, {DrawnAs::kGround});
   use(with_holes_, clip * view, camera, blankness, kHazePerM);
-  draw_parts(cam_from_street, true);
+  draw_parts(cam_from_street, {DrawnAs::kMarks, DrawnAs::kLeaves, DrawnAs::kFarLeaves});
   // The sky moves with the camera.
   use(solid_, turned, Vector3d::Zero(), blankness, 0);
   draw_other(sky_, static_cast<size_t>(sky_indices_));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <initializer_list>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -37,11 +38,11 @@ class StreetRasterizer {
     unsigned id = 0;
     int clip = -1, camera = -1, blankness = -1, haze = -1;
   };
-  Program compile(bool holes) const;
+  Program compile(const char* define) const;
   void use(const Program& program, const Eigen::Matrix4d& clip_from_street, const Eigen::Vector3d& camera,
            double blankness, double haze_per_m);
   void draw_all(const SE3& cam_from_street, const Triangles& moving, double blankness);
-  void draw_parts(const SE3& cam_from_street, bool holes);
+  void draw_parts(const SE3& cam_from_street, std::initializer_list<DrawnAs> kinds);
   bool in_sight(const StreetPart& part, const SE3& cam_from_street, const Eigen::Vector3d& camera) const;
   unsigned make_buffers(const Triangles* triangles, unsigned* vertex_buffer, unsigned* index_buffer);
 
@@ -49,7 +50,7 @@ class StreetRasterizer {
   Camera camera_;
   std::vector<StreetPart> parts_;
   std::vector<Eigen::Vector3d> frustum_;  // normals that point inwards, in the camera's frame
-  Program solid_, with_holes_;
+  Program solid_, ground_, with_holes_;
   Eigen::Vector4d shadow_map_;  // low corner, and 1 / size of the map of shadows
   unsigned still_ = 0, moving_ = 0, moving_vertices_ = 0, moving_indices_ = 0, sky_ = 0, atlas_ = 0, shadows_ = 0;
   int sky_indices_ = 0;

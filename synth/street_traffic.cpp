@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 constexpr double kEncounterEvery_s = 6;
 constexpr double kOncoming = 0.5, kOvertaking = 0.14, kLeading = 0.4, kPeople = 0.5;  // shares of the occasions
-constexpr double kLane_m = 2.55;                                                      // the other lane, to the left
+constexpr double kLane_m = 2.4;                                                       // the other lane, to the left
 constexpr double kEncounter_s = 16;                                                   // from first to last sight
 constexpr double kLeadingFor_s = 40, kLeadingGap_m = 14, kLeadingGone_m = 130;
 constexpr double kPersonInSight_m = 70;

@@ -83,15 +83,7 @@ void render(Flags& f) {
   if (!f.quiet) fmt::print("{}: {} frames, {}x{}\n", f.folder, frames, f.synth.camera.width, f.synth.camera.height);
 }
 
-}  // namespace
-
-void add_synth_command(CommandLine& app, std::function<int()>* chosen) {
-  CommandLine* sub = app.add_command(
-      "synth", "Render a sequence of a furnished room or a street with its true path, as a TUM-style folder");
-  auto f = std::make_shared<Flags>();
-  sub->add_option("-o,--output", f->folder, "folder to write")->type_name("FOLDER").required();
-  sub->add_flag("--overwrite", f->overwrite, "into a folder that holds a sequence already");
-  sub->add_option("--seed", f->synth.seed, "number that chooses the room, the walk and the noise")->show_default();
+void add_street_options(CommandLine* sub, Flags* f) {
   sub->add_option("--scene", f->scene,
                   "room, or street: a town along --path, which may be kilometres long, or a campus (--walk campus)")
       ->show_default();
@@ -103,6 +95,18 @@ void add_synth_command(CommandLine& app, std::function<int()>* chosen) {
       ->show_default();
   sub->add_option("--traffic", f->synth.traffic, "in a street: cars and people that move, times the usual; 0: none")
       ->show_default();
+}
+
+}  // namespace
+
+void add_synth_command(CommandLine& app, std::function<int()>* chosen) {
+  CommandLine* sub = app.add_command(
+      "synth", "Render a sequence of a furnished room or a street with its true path, as a TUM-style folder");
+  auto f = std::make_shared<Flags>();
+  sub->add_option("-o,--output", f->folder, "folder to write")->type_name("FOLDER").required();
+  sub->add_flag("--overwrite", f->overwrite, "into a folder that holds a sequence already");
+  sub->add_option("--seed", f->synth.seed, "number that chooses the room, the walk and the noise")->show_default();
+  add_street_options(sub, f.get());
   sub->add_option(
          "--walk", f->walk,
          "without --path: loop, a walk about in a room; next-room, a walk into a second room, with a dark turn in "
