@@ -97,6 +97,15 @@ void add_street_options(CommandLine* sub, Flags* f) {
       ->show_default();
 }
 
+void add_hard_options(CommandLine* sub, Flags* f) {
+  sub->add_option("--hard", f->hard,
+                  "a hard passage: blur, dark, textureless, rotation or (in a street) lorry; with --at and --for; may "
+                  "be repeated")
+      ->one_each();
+  sub->add_option("--at", f->at_s, "seconds after the first image at which the hard passage begins")->one_each();
+  sub->add_option("--for", f->for_s, "seconds that it lasts")->one_each();
+}
+
 }  // namespace
 
 void add_synth_command(CommandLine& app, std::function<int()>* chosen) {
@@ -135,12 +144,7 @@ void add_synth_command(CommandLine& app, std::function<int()>* chosen) {
       ->show_default();
   sub->add_flag("--grey", f->synth.grey, "grey images");
   sub->add_option("--quality", f->synth.jpeg_quality, "of the JPEG files, 1 to 100")->show_default();
-  sub->add_option("--hard", f->hard,
-                  "a hard passage: blur, dark, textureless, rotation or (in a street) lorry; with --at and --for; may "
-                  "be repeated")
-      ->one_each();
-  sub->add_option("--at", f->at_s, "seconds after the first image at which the hard passage begins")->one_each();
-  sub->add_option("--for", f->for_s, "seconds that it lasts")->one_each();
+  add_hard_options(sub, f.get());
   sub->add_flag("-q,--quiet", f->quiet, "no progress, no summary");
   run_if_chosen(sub, chosen, f, render);
 }
