@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "synth/campus_walk.h"
 #include "synth/next_room_walk.h"
 #include "synth/repeating_walks.h"
 
@@ -20,7 +21,24 @@ Result<> check_seconds(WalkKind walk, double seconds) {
   if (walk == WalkKind::kNextRoom || walk == WalkKind::kTwinRooms)
     return range("seconds of the walk next-room", seconds, kMinNextRoomSeconds, kMaxNextRoomSeconds, " s");
   if (walk == WalkKind::kLoop) return {};
+  if (walk == WalkKind::kCampus)
+    return range("seconds of the walk campus", seconds, kMinCampusSeconds, kMaxCampusSeconds, " s");
   return range("seconds of a walk through what repeats", seconds, kMinRepeatingSeconds, kMaxRepeatingSeconds, " s");
+}
+
+// Checks that what is asked for belongs to the scene.
+Result<> check_scene(const SynthOptions& o) {
+  const bool street = o.scene == SceneKind::kStreet;
+  if (street && o.path_file.empty() && o.walk != WalkKind::kCampus)
+    return Error{"needs a path", "--scene street", "give --path FILE or --walk campus"};
+  if (street && !o.path_file.empty() && o.walk != WalkKind::kLoop)
+    return Error{"give one of them", "--path and --walk"};
+  if (street) return {};
+  if (o.walk == WalkKind::kCampus) return Error{"is a walk of --scene street only", "--walk campus"};
+  if (o.vehicle) return Error{"belongs to --scene street only", "--vehicle"};
+  for (const HardPassage& passage : o.hard)
+    if (passage.kind == HardPassage::Kind::kLorry) return Error{"drives in --scene street only", "--hard lorry"};
+  return {};
 }
 
 }  // namespace
@@ -36,6 +54,7 @@ Camera default_synth_camera(int width, int height) {
 }
 
 Result<> SynthOptions::check() const {
+  if (const Result<> fits = check_scene(*this); !fits) return fits;
   if (path_file.empty()) {
     if (const Result<> fits = check_seconds(walk, seconds); !fits) return fits;
   }
@@ -45,7 +64,8 @@ Result<> SynthOptions::check() const {
         range("duration", duration_s, 0, 1e6, " s (0: to the end)"),
         range("blur", exposure_s, 0, 0.2, " s of shutter time"),
         range("max_sub_exposures", max_sub_exposures, 1, 64, ""), range("noise", noise, 0, 20, ""),
-        range("exposure_swing", exposure_swing, 0, 0.8, ""), range("jpeg_quality", jpeg_quality, 1, 100, "")})
+        range("exposure_swing", exposure_swing, 0, 0.8, ""), range("day", day, 1, 1e6, ""),
+        range("traffic", traffic, 0, 5, ""), range("jpeg_quality", jpeg_quality, 1, 100, "")})
     if (!fits) return fits;
   if (const std::string error = camera.check(); !error.empty()) return Error{error, "camera"};
   if (camera.width > 4096 || camera.height > 4096)
@@ -59,15 +79,28 @@ Result<> SynthOptions::check() const {
   return {};
 }
 
+Result<SceneKind> parse_scene_kind(const std::string& name) {
+  if (name == "room") return SceneKind::kRoom;
+  if (name == "street") return SceneKind::kStreet;
+  return Error{fmt::format("--scene {}: must be room or street", name)};
+}
+
+Result<VehicleKind> parse_vehicle_kind(const std::string& name) {
+  if (name == "car") return VehicleKind::kCar;
+  if (name == "robot") return VehicleKind::kRobot;
+  return Error{fmt::format("--vehicle {}: must be car or robot", name)};
+}
+
 Result<WalkKind> parse_walk_kind(const std::string& name) {
   for (const auto& [known, kind] : {std::pair{"loop", WalkKind::kLoop},
                                     {"next-room", WalkKind::kNextRoom},
                                     {"twin-rooms", WalkKind::kTwinRooms},
                                     {"storeys", WalkKind::kStoreys},
                                     {"doors", WalkKind::kDoors},
-                                    {"square", WalkKind::kSquare}})
+                                    {"square", WalkKind::kSquare},
+                                    {"campus", WalkKind::kCampus}})
     if (name == known) return kind;
-  return Error{fmt::format("--walk {}: must be loop, next-room, twin-rooms, storeys, doors or square", name)};
+  return Error{fmt::format("--walk {}: must be loop, next-room, twin-rooms, storeys, doors, square or campus", name)};
 }
 
 Result<HardPassage::Kind> parse_hard_kind(const std::string& name) {
@@ -75,9 +108,10 @@ Result<HardPassage::Kind> parse_hard_kind(const std::string& name) {
   for (const auto& [known, kind] : {std::pair{"blur", Kind::kBlur},
                                     {"dark", Kind::kDark},
                                     {"textureless", Kind::kTextureless},
-                                    {"rotation", Kind::kRotation}})
+                                    {"rotation", Kind::kRotation},
+                                    {"lorry", Kind::kLorry}})
     if (name == known) return kind;
-  return Error{fmt::format("--hard {}: must be blur, dark, textureless or rotation", name)};
+  return Error{fmt::format("--hard {}: must be blur, dark, textureless, rotation or lorry", name)};
 }
 
 }  // namespace rumi::synth

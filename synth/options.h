@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct HardPassage {
     kDark,         // a few grey levels, and noise
     kTextureless,  // everything in sight becomes one blank surface
     kRotation,     // the camera turns fast about the vertical, and back
+    kLorry,        // in a street: a lorry overtakes, covers most of the image, and leaves
   };
   Kind kind = Kind::kBlur;
   double at_s = 0;      // seconds after the first frame
@@ -27,6 +29,17 @@ struct HardPassage {
 // Returns a camera with the field of view of TUM RGB-D: fx = fy = 525 at 640 pixels of width.
 Camera default_synth_camera(int width, int height);
 
+enum class SceneKind {
+  kRoom,
+  kStreet,  // see street_scene.h
+};
+
+// Carries the camera in a street.
+enum class VehicleKind {
+  kCar,    // 1.65 m above the road
+  kRobot,  // 0.5 m above it, and shaking
+};
+
 // A walk that synth makes up.
 enum class WalkKind {
   kLoop,      // around the middle of a room
@@ -36,14 +49,19 @@ enum class WalkKind {
   kStoreys,
   kDoors,
   kSquare,
+  kCampus,  // a robot's round on the ways of a campus, in a street scene: see campus_walk.h
 };
 
 struct SynthOptions {
   uint64_t seed = 1;  // seed of everything random: the room, its contents, the walk, the noise
+  SceneKind scene = SceneKind::kRoom;
   WalkKind walk = WalkKind::kLoop;
-  double seconds = 20;    // length of the walk without a path file
-  double rate_hz = 0;     // 0: the times of the path file; without one, 30
-  std::string path_file;  // TUM trajectory (map_from_cam: t tx ty tz qx qy qz qw); empty: the walk above
+  std::optional<VehicleKind> vehicle;  // of a street; otherwise a robot on a campus, and a car along a path
+  int day = 1;                         // of a street: another day has another light, and other cars and people
+  double traffic = 1;                  // of a street: share of what moves; 0: nothing
+  double seconds = 20;                 // length of the walk without a path file
+  double rate_hz = 0;                  // 0: the times of the path file; without one, 30
+  std::string path_file;               // TUM trajectory (map_from_cam: t tx ty tz qx qy qz qw); empty: the walk above
   double alike = 1;       // of scenes that repeat: share of the things that each copy has; it leaves out others
   double start_s = 0;     // seconds into the path
   double duration_s = 0;  // seconds of the path; 0: to its end
@@ -56,13 +74,21 @@ struct SynthOptions {
   int jpeg_quality = 92;
   std::vector<HardPassage> hard;
 
+  // Returns whether a robot carries the camera.
+  bool robot() const {
+    return vehicle ? *vehicle == VehicleKind::kRobot : path_file.empty() && walk == WalkKind::kCampus;
+  }
   // An Error names the field and its value if an option cannot be used.
   Result<> check() const;
 };
 
-// Returns the kind named "loop", "next-room", "twin-rooms", "storeys", "doors" or "square", else an Error.
+// Returns the kind named "room" or "street", else an Error.
+Result<SceneKind> parse_scene_kind(const std::string& name);
+// Returns the kind named "car" or "robot", else an Error.
+Result<VehicleKind> parse_vehicle_kind(const std::string& name);
+// Returns the kind named "loop", "next-room", "twin-rooms", "storeys", "doors", "square" or "campus", else an Error.
 Result<WalkKind> parse_walk_kind(const std::string& name);
-// Returns the kind named "blur", "dark", "textureless" or "rotation", else an Error.
+// Returns the kind named "blur", "dark", "textureless", "rotation" or "lorry", else an Error.
 Result<HardPassage::Kind> parse_hard_kind(const std::string& name);
 
 }  // namespace rumi::synth

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 
+#include "synth/mesh_upload.h"
 #include "viewer_offscreen/gl/gl.h"
 
 namespace rumi::synth {
@@ -13,7 +14,6 @@ using namespace viewer_offscreen;  // OpenGL's functions
 namespace {
 
 constexpr double kNear_m = 0.05, kFar_m = 80;
-constexpr int kMipLevels = 6;
 
 const char* const kVertexShader = R"(#version 330 core
 uniform mat4 clip_from_room;
@@ -48,39 +48,6 @@ void main() {
   colour = vec4(mix(paint * f_light * 0.78, vec3(0.42), blankness), 1.0);
 })";
 
-Eigen::Matrix4d clip_from_camera(const Camera& c) {
-  // Positive clip y is downwards in the image, see OffscreenContext::read.
-  Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
-  m(0, 0) = 2 * c.fx / c.width;
-  m(0, 2) = 2 * (c.cx + 0.5) / c.width - 1;
-  m(1, 1) = 2 * c.fy / c.height;
-  m(1, 2) = 2 * (c.cy + 0.5) / c.height - 1;
-  m(2, 2) = (kFar_m + kNear_m) / (kFar_m - kNear_m);
-  m(2, 3) = -2 * kFar_m * kNear_m / (kFar_m - kNear_m);
-  m(3, 2) = 1;
-  return m;
-}
-
-void upload_textures(const std::vector<cv::Mat>& layers) {
-  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RG8, TextureAtlas::kSize, TextureAtlas::kSize,
-               static_cast<GLsizei>(layers.size()), 0, GL_RG, GL_UNSIGNED_BYTE, nullptr);
-  for (size_t i = 0; i < layers.size(); ++i)
-    glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, static_cast<GLint>(i), TextureAtlas::kSize, TextureAtlas::kSize, 1,
-                    GL_RG, GL_UNSIGNED_BYTE, layers[i].data);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, kMipLevels);
-  glGenerateMipmap(GL_TEXTURE_2D_ARRAY);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-}
-
-void attribute(GLuint location, GLint components, GLenum type, bool normalized, size_t offset) {
-  glEnableVertexAttribArray(location);
-  glVertexAttribPointer(location, components, type, normalized ? GL_TRUE : GL_FALSE, sizeof(Vertex),
-                        reinterpret_cast<const void*>(offset));
-}
-
 }  // namespace
 
 Rasterizer::Rasterizer(Mesh mesh, const Camera& pinhole)
@@ -88,14 +55,8 @@ Rasterizer::Rasterizer(Mesh mesh, const Camera& pinhole)
   program_ = viewer_offscreen::compile_program(kVertexShader, kFragmentShader);
   glGenVertexArrays(1, &vertex_array_);
   glBindVertexArray(vertex_array_);
-  glGenBuffers(1, &vertex_buffer_);
-  glBindBuffer(GL_ARRAY_BUFFER, vertex_buffer_);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(Vertex)), mesh.vertices.data(),
-               GL_STATIC_DRAW);
-  glGenBuffers(1, &index_buffer_);
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, index_buffer_);
-  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.indices.size() * sizeof(uint32_t)),
-               mesh.indices.data(), GL_STATIC_DRAW);
+  vertex_buffer_ = upload_vertices(mesh.vertices);
+  index_buffer_ = upload_indices(mesh.indices);
   attribute(0, 3, GL_FLOAT, false, offsetof(Vertex, position));
   attribute(1, 3, GL_FLOAT, false, offsetof(Vertex, uv));
   attribute(2, 1, GL_FLOAT, false, offsetof(Vertex, light));
@@ -104,11 +65,8 @@ Rasterizer::Rasterizer(Mesh mesh, const Camera& pinhole)
   attribute(5, 3, GL_UNSIGNED_BYTE, true, offsetof(Vertex, accent));
   glGenTextures(1, &texture_);
   glBindTexture(GL_TEXTURE_2D_ARRAY, texture_);
-  upload_textures(mesh.atlas.layers());
-
-  const double l = (-0.5 - camera_.cx) / camera_.fx, r = (camera_.width - 0.5 - camera_.cx) / camera_.fx;
-  const double t = (-0.5 - camera_.cy) / camera_.fy, b = (camera_.height - 0.5 - camera_.cy) / camera_.fy;
-  frustum_ = {{1, 0, -l}, {-1, 0, r}, {0, 1, -t}, {0, -1, b}, {0, 0, 1}};
+  upload_textures(mesh.atlas.layers(), GL_CLAMP_TO_EDGE);
+  frustum_ = frustum_normals(camera_);
 }
 
 Rasterizer::~Rasterizer() = default;  // the context destroys all objects of OpenGL
@@ -134,7 +92,7 @@ void Rasterizer::draw(const SE3& cam_from_room, double blankness, cv::Mat* rgba)
   Eigen::Matrix4d view = Eigen::Matrix4d::Identity();
   view.topLeftCorner<3, 3>() = cam_from_room.rotation.toRotationMatrix();
   view.topRightCorner<3, 1>() = cam_from_room.translation;
-  const Eigen::Matrix4f clip = (clip_from_camera(camera_) * view).cast<float>();
+  const Eigen::Matrix4f clip = (clip_from_camera(camera_, kNear_m, kFar_m) * view).cast<float>();
   glUniformMatrix4fv(glGetUniformLocation(program_, "clip_from_room"), 1, GL_FALSE, clip.data());
   glUniform1f(glGetUniformLocation(program_, "blankness"), static_cast<float>(blankness));
   std::vector<GLsizei> counts;

@@ -10,11 +10,12 @@
 
 #include "base/or_throw.h"
 #include "synth/camera_path.h"
+#include "synth/campus_walk.h"
 #include "synth/lens.h"
 #include "synth/next_room_walk.h"
-#include "synth/rasterizer.h"
 #include "synth/repeating_walks.h"
-#include "synth/room.h"
+#include "synth/room_scene.h"
+#include "synth/street_scene.h"
 
 namespace rumi::synth {
 namespace {
@@ -53,6 +54,8 @@ Walk make_walk(const SynthOptions& options) {
       return walk_past_doors(options.seconds, options.seed);
     case WalkKind::kSquare:
       return walk_round_square(options.seconds, options.seed);
+    case WalkKind::kCampus:
+      return {.path = walk_campus(options.seconds, options.seed)};
     case WalkKind::kLoop:
       break;
   }
@@ -75,16 +78,16 @@ struct SequenceRenderer::Impl {
       options.hard.push_back(passage);
     }
     choose_times();
-    const double begin = times_s.front(), end = times_s.back();
-    // The room holds the whole path even if only a part is asked for, so that all parts of a path have the same room.
-    shape = walk.repeats ? fit_cell(path, *walk.repeats, walk.doorway) : fit_room(path, options.seed, walk.doorway);
-    first_s = begin;
-    if (end <= begin)
-      throw std::runtime_error("the sequence has fewer than two frames; give more seconds or a higher rate");
-    Mesh mesh = build_room(shape, options.seed, options.camera.fx);
-    bake_light(mesh, shape);
-    if (walk.repeats) mesh = repeat(mesh, walk.repeats->copies, options.alike, options.seed);
-    rasterizer = std::make_unique<Rasterizer>(std::move(mesh), lens.pinhole());
+    first_s = times_s.front();
+    if (options.scene == SceneKind::kRoom) {
+      walk.path = path;
+      scene = std::make_unique<RoomScene>(options, walk, lens.pinhole());
+      return;
+    }
+    auto made = std::make_unique<StreetScene>(options, path, lens.pinhole());
+    path = made->camera_path();
+    street = made.get();
+    scene = std::move(made);
   }
 
   void choose_times() {
@@ -102,12 +105,13 @@ struct SequenceRenderer::Impl {
       const double rate = options.rate_hz > 0 ? options.rate_hz : 30;
       for (int i = 0; begin + i / rate < end - 1e-9; ++i) times_s.push_back(begin + i / rate);
     }
-    if (times_s.size() < 2)
+    if (times_s.size() < 2 || times_s.back() <= times_s.front())
       throw std::runtime_error("the sequence has fewer than two frames; give more seconds or a higher rate");
   }
 
   SE3 pose(double t) const {
     SE3 map_from_cam = path.at(t);
+    if (street) map_from_cam = street->shaken(map_from_cam, t);
     double turn = 0;
     for (const HardPassage& passage : options.hard) {
       if (passage.kind != HardPassage::Kind::kRotation) continue;
@@ -118,18 +122,25 @@ struct SequenceRenderer::Impl {
     return map_from_cam;
   }
 
-  // Returns how many images are averaged for the exposure: about one for every kStep_px by which the picture moves.
+  // Returns how much of a lorry's passage is over, 0 .. 1; -1 if there is none.
+  double lorry_phase(double t) const {
+    for (const HardPassage& passage : options.hard) {
+      const double phase = (t - first_s - passage.at_s) / passage.for_s;
+      if (passage.kind == HardPassage::Kind::kLorry && phase >= 0 && phase <= 1) return phase;
+    }
+    return -1;
+  }
+
+  // Returns how many images are averaged for the exposure: about one for every step by which the picture moves.
   int sub_exposures(double t) const {
     if (options.exposure_s <= 0) return 1;
     const SE3 move = pose(t - options.exposure_s / 2).inverse() * pose(t + options.exposure_s / 2);
-    constexpr double kTypicalDepth_m = 2.5, kStep_px = 2.5;
-    const double px = options.camera.fx * (move.angle_rad() + move.translation.norm() / kTypicalDepth_m);
-    return std::clamp(static_cast<int>(std::ceil(px / kStep_px)), 1, options.max_sub_exposures);
+    const double px = options.camera.fx * (move.angle_rad() + move.translation.norm() / scene->typical_depth_m());
+    return std::clamp(static_cast<int>(std::ceil(px / scene->blur_step_px())), 1, options.max_sub_exposures);
   }
 
   void add_exposure(double t, double weight, double blankness, cv::Mat* sum) {
-    const SE3 cam_from_room = pose(t).inverse() * shape.room_from_map.inverse();
-    rasterizer->draw(cam_from_room, blankness, &rgba);
+    scene->draw({pose(t), t, blankness, lorry_phase(t)}, &rgba);
     cv::cvtColor(rgba, plain, options.grey ? cv::COLOR_RGBA2GRAY : cv::COLOR_RGBA2BGR);
     lens.apply(plain, &bent);
     if (sum->empty())
@@ -143,8 +154,8 @@ struct SequenceRenderer::Impl {
   Eigen::Vector3d up;
   Lens lens;
   Sensor sensor;
-  RoomShape shape;
-  std::unique_ptr<Rasterizer> rasterizer;
+  std::unique_ptr<Scene> scene;
+  const StreetScene* street = nullptr;  // the scene, if it is a street
   std::vector<double> times_s;
   double first_s = 0;
   cv::Mat rgba, plain, bent;
@@ -174,9 +185,11 @@ cv::Mat SequenceRenderer::render(int frame) {
     const double sigma = std::max(0.3, blur * kBlurPx * s.options.camera.width / 640);
     cv::GaussianBlur(sum, sum, {}, sigma, sigma, cv::BORDER_REPLICATE);
   }
-  const double swing =
-      s.options.exposure_swing * std::sin(2 * M_PI * since_first / 9.7 + static_cast<double>(s.options.seed % 7));
-  const double gain = kExposureGain * (1 + swing) * (1 - (1 - kDarkGain) * hard(Kind::kDark));
+  // A street has an automatic exposure, which depends on the time alone, so that parts of a path equal the whole.
+  const double swing = s.street ? 0
+                                : s.options.exposure_swing *
+                                      std::sin(2 * M_PI * since_first / 9.7 + static_cast<double>(s.options.seed % 7));
+  const double gain = s.scene->gain(t) * kExposureGain * (1 + swing) * (1 - (1 - kDarkGain) * hard(Kind::kDark));
   return s.sensor.expose(sum, gain, s.options.seed * 1000033 + static_cast<uint64_t>(frame));
 }
 

@@ -32,4 +32,10 @@ TextureAtlas::Patch TextureAtlas::add(const cv::Mat& picture) {
   return {shelf->layer, {where.x + gutter, where.y + gutter, picture.cols, picture.rows}};
 }
 
+TextureAtlas::Patch TextureAtlas::add_layer(const cv::Mat& picture) {
+  layers_.push_back(picture);
+  filled_.push_back(kSize);
+  return {static_cast<int>(layers_.size()) - 1, {0, 0, kSize, kSize}};
+}
+
 }  // namespace rumi::synth

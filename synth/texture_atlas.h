@@ -19,6 +19,10 @@ class TextureAtlas {
   // Adds a picture (CV_8UC2). Its edge is repeated around it, so that smaller mipmap levels do not mix in its
   // neighbours.
   Patch add(const cv::Mat& picture);
+  // Adds a picture (CV_8UC2) of a whole layer, which can be repeated.
+  Patch add_layer(const cv::Mat& picture);
+  // Hands the layers over, after which nothing can be added.
+  std::vector<cv::Mat> take_layers() { return std::move(layers_); }
   const std::vector<cv::Mat>& layers() const { return layers_; }
 
  private:

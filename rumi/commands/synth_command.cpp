@@ -20,7 +20,7 @@ volatile std::sig_atomic_t g_stop = 0;
 
 struct Flags {
   synth::SynthOptions synth;
-  std::string folder, camera_file, size, walk = "loop";
+  std::string folder, camera_file, size, scene = "room", walk = "loop", vehicle;
   std::vector<std::string> hard;
   std::vector<double> at_s, for_s;
   bool overwrite = false, quiet = false;
@@ -41,6 +41,14 @@ Result<> resolve(Flags& f) {
     if (!read) return read.error();
     log_notes(*read);
     f.synth.camera = read->camera;
+  }
+  const Result<synth::SceneKind> scene = synth::parse_scene_kind(f.scene);
+  if (!scene) return scene.error();
+  f.synth.scene = *scene;
+  if (!f.vehicle.empty()) {
+    const Result<synth::VehicleKind> vehicle = synth::parse_vehicle_kind(f.vehicle);
+    if (!vehicle) return vehicle.error();
+    f.synth.vehicle = *vehicle;
   }
   const Result<synth::WalkKind> walk = synth::parse_walk_kind(f.walk);
   if (!walk) return walk.error();
@@ -75,21 +83,46 @@ void render(Flags& f) {
   if (!f.quiet) fmt::print("{}: {} frames, {}x{}\n", f.folder, frames, f.synth.camera.width, f.synth.camera.height);
 }
 
+void add_street_options(CommandLine* sub, Flags* f) {
+  sub->add_option("--scene", f->scene,
+                  "room, or street: a town along --path, which may be kilometres long, or a campus (--walk campus)")
+      ->show_default();
+  sub->add_option("--vehicle", f->vehicle,
+                  "in a street: car, the camera 1.65 m above the road, or robot, 0.5 m above it and shaking (default: "
+                  "car along --path, robot on a campus)");
+  sub->add_option("--day", f->synth.day,
+                  "of a street: another day has other light, parked cars, traffic and people, and the same houses")
+      ->show_default();
+  sub->add_option("--traffic", f->synth.traffic, "in a street: cars and people that move, times the usual; 0: none")
+      ->show_default();
+}
+
+void add_hard_options(CommandLine* sub, Flags* f) {
+  sub->add_option("--hard", f->hard,
+                  "a hard passage: blur, dark, textureless, rotation or (in a street) lorry; with --at and --for; may "
+                  "be repeated")
+      ->one_each();
+  sub->add_option("--at", f->at_s, "seconds after the first image at which the hard passage begins")->one_each();
+  sub->add_option("--for", f->for_s, "seconds that it lasts")->one_each();
+}
+
 }  // namespace
 
 void add_synth_command(CommandLine& app, std::function<int()>* chosen) {
-  CommandLine* sub =
-      app.add_command("synth", "Render a sequence of a furnished room with its true path, as a TUM-style folder");
+  CommandLine* sub = app.add_command(
+      "synth", "Render a sequence of a furnished room or a street with its true path, as a TUM-style folder");
   auto f = std::make_shared<Flags>();
   sub->add_option("-o,--output", f->folder, "folder to write")->type_name("FOLDER").required();
   sub->add_flag("--overwrite", f->overwrite, "into a folder that holds a sequence already");
   sub->add_option("--seed", f->synth.seed, "number that chooses the room, the walk and the noise")->show_default();
+  add_street_options(sub, f.get());
   sub->add_option(
          "--walk", f->walk,
          "without --path: loop, a walk about in a room; next-room, a walk into a second room, with a dark turn in "
          "the doorway between them, of which nothing is seen from either room; or a walk in a scene that repeats, on "
          "which nothing is seen for a while: twin-rooms (next-room, and the second room equals the first), storeys, "
-         "doors (of a corridor), square (four equal sides)")
+         "doors (of a corridor), square (four equal sides); in a street: campus, a robot's round at 1.2 m/s that "
+         "crosses itself and comes back to its ways")
       ->show_default();
   sub->add_option("--alike", f->synth.alike,
                   "in a scene that repeats: share of the things that each copy has; it leaves out others than the rest")
@@ -106,14 +139,12 @@ void add_synth_command(CommandLine& app, std::function<int()>* chosen) {
   sub->add_option("--duration", f->synth.duration_s, "seconds of it; 0: to its end")->show_default();
   sub->add_option("--blur", f->synth.exposure_s, "shutter time in seconds: motion blur; 0: none")->show_default();
   sub->add_option("--noise", f->synth.noise, "sensor noise, times the default; 0: none")->show_default();
-  sub->add_option("--exposure", f->synth.exposure_swing, "slow change of the exposure, fraction")->show_default();
+  sub->add_option("--exposure", f->synth.exposure_swing,
+                  "slow change of the exposure, fraction; 0: none, and in a street no automatic exposure either")
+      ->show_default();
   sub->add_flag("--grey", f->synth.grey, "grey images");
   sub->add_option("--quality", f->synth.jpeg_quality, "of the JPEG files, 1 to 100")->show_default();
-  sub->add_option("--hard", f->hard,
-                  "a hard passage: blur, dark, textureless or rotation; with --at and --for; may be repeated")
-      ->one_each();
-  sub->add_option("--at", f->at_s, "seconds after the first image at which the hard passage begins")->one_each();
-  sub->add_option("--for", f->for_s, "seconds that it lasts")->one_each();
+  add_hard_options(sub, f.get());
   sub->add_flag("-q,--quiet", f->quiet, "no progress, no summary");
   run_if_chosen(sub, chosen, f, render);
 }

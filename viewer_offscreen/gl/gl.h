@@ -9,6 +9,7 @@
 namespace rumi::viewer_offscreen {
 
 #define RUMI_GL_FUNCTIONS(F)                                                   \
+  F(PFNGLACTIVETEXTUREPROC, glActiveTexture)                                   \
   F(PFNGLATTACHSHADERPROC, glAttachShader)                                     \
   F(PFNGLBINDBUFFERPROC, glBindBuffer)                                         \
   F(PFNGLBINDFRAMEBUFFERPROC, glBindFramebuffer)                               \
@@ -54,6 +55,7 @@ namespace rumi::viewer_offscreen {
   F(PFNGLTEXPARAMETERIPROC, glTexParameteri)                                   \
   F(PFNGLTEXSUBIMAGE3DPROC, glTexSubImage3D)                                   \
   F(PFNGLUNIFORM1FPROC, glUniform1f)                                           \
+  F(PFNGLUNIFORM1IPROC, glUniform1i)                                           \
   F(PFNGLUNIFORM4FPROC, glUniform4f)                                           \
   F(PFNGLUNIFORMMATRIX4FVPROC, glUniformMatrix4fv)                             \
   F(PFNGLUSEPROGRAMPROC, glUseProgram)                                         \
