@@ -63,8 +63,7 @@ bool encode(const cv::Mat& image, int quality, Encoded* encoded) {
 image_t make_jpeg_image(int64_t utime_us, const cv::Mat& image, int quality) {
   Encoded encoded;
   if (!encode(image, quality, &encoded)) throw std::runtime_error("the image cannot be encoded as JPEG");
-  return wrap_jpeg(utime_us, image.cols, image.rows,
-                   std::vector<uint8_t>(encoded.bytes, encoded.bytes + encoded.size));
+  return wrap_jpeg(utime_us, image.cols, image.rows, std::vector<uint8_t>(encoded.bytes, encoded.bytes + encoded.size));
 }
 
 }  // namespace rumi

@@ -93,7 +93,8 @@ cv::Mat mask_from_png(std::string_view png, const cv::Size& size) {
   if (!read_pixels(reader, size, &rows, &pointers) || rows.size() != static_cast<size_t>(size.height)) return {};
   const size_t sample = png_get_bit_depth(reader.png, reader.info) == 16 ? 2 : 1;
   const size_t channels = png_get_channels(reader.png, reader.info), stride = sample * channels;
-  const size_t told = sample * (channels % 2 == 0 ? channels - 1 : channels);  // an even number: the last is the opacity
+  const size_t told =
+      sample * (channels % 2 == 0 ? channels - 1 : channels);  // an even number: the last is the opacity
   if (rows.front().size() != stride * static_cast<size_t>(size.width)) return {};
   cv::Mat mask(size, CV_8UC1, cv::Scalar(0));
   for (int y = 0; y < size.height; ++y)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Masks as PNG files, by libpng. OpenCV's codecs would load 110 libraries and 40 MB into every process that reads images.
+// Masks as PNG files, by libpng. OpenCV's codecs would load 110 libraries and 40 MB into every process that reads
+// images.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

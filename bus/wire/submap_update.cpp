@@ -203,8 +203,7 @@ Result<> apply_submap_update(const submap_update_t& update, Submap* submap) {
   apply_landmarks(update, submap);
   apply_keyframes(update, submap);
   for (const frame_t& f : update.frames)
-    submap->frames.set({f.utime, f.reference_keyframe, *from_wire(f.cam_from_keyframe), update.revision,
-                               sigmas_of(f)});
+    submap->frames.set({f.utime, f.reference_keyframe, *from_wire(f.cam_from_keyframe), update.revision, sigmas_of(f)});
   return {};
 }
 

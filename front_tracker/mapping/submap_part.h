@@ -10,9 +10,9 @@
 
 namespace rumi::front_tracker {
 
-// Returns the front submap `key`, which begins with the frame `utime_us`, its reference keyframe, and the keyframes that
-// share most landmarks with that, `keyframes` in all. It has the landmarks that at least two of them observe. Moves the
-// images of the latest keyframes into it. The submap must have the frame.
+// Returns the front submap `key`, which begins with the frame `utime_us`, its reference keyframe, and the keyframes
+// that share most landmarks with that, `keyframes` in all. It has the landmarks that at least two of them observe.
+// Moves the images of the latest keyframes into it. The submap must have the frame.
 std::unique_ptr<FrontSubmap> go_on_from(FrontSubmap& full, SubmapKey key, int64_t utime_us, size_t keyframes);
 
 }  // namespace rumi::front_tracker

@@ -81,8 +81,8 @@ class Tracker {
   // wait_for_mapping() before reading one.
   const std::vector<std::unique_ptr<FrontSubmap>>& submaps() const { return submaps_; }
   void wait_for_mapping() { mapping_.wait_until_idle(); }
-  // Returns the front submap in which tracking went on in this submap, in the same unit and frame of reference; kNoSubmap
-  // if it began otherwise.
+  // Returns the front submap in which tracking went on in this submap, in the same unit and frame of reference;
+  // kNoSubmap if it began otherwise.
   int continued_from(int submap_id) const;
   // Returns how many keyframes' mapping threw since the last call, and why. Tracking goes on without their new
   // landmarks.

@@ -19,9 +19,18 @@
 
 namespace rumi::map_server {
 
+// The keyframes that two submaps have in common: their number, and the last revision of each submap in which one of
+// them, or a landmark that it observes, changed.
+struct SharedState {
+  int keyframes = 0;
+  int64_t revision_a = 0, revision_b = 0;
+  bool operator==(const SharedState&) const = default;
+};
+
 // The result of comparing the common images of two submaps, at these revisions.
 struct ComparedPair {
   int64_t revision_a = 0, revision_b = 0;
+  SharedState shared = {};
   std::optional<LinkEdge> edge;  // accepted or refused; empty if they have no image in common
 };
 

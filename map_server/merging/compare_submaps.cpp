@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -27,10 +28,34 @@ std::optional<KeyframeJoint> make_joint(const Submap& a, const Submap& b, const 
                        std::max(ratio.sigma, options.joint_sigma_log_scale)};
 }
 
+// Returns the last revision in which the keyframe or a landmark that it observes changed.
+int64_t last_change(const Submap& submap, const Keyframe& keyframe) {
+  int64_t revision = keyframe.revision;
+  for (const int id : keyframe.landmark_ids)
+    if (const Landmark* landmark = id == kNone ? nullptr : submap.landmark(id))
+      revision = std::max(revision, landmark->revision);
+  return revision;
+}
+
 }  // namespace
 
+SharedState shared_state(const Submap& a, const Submap& b) {
+  std::map<int64_t, const Keyframe*> of_a;
+  for (const auto& [id, keyframe] : a.keyframes) of_a.emplace(keyframe.utime_us, &keyframe);
+  SharedState state;
+  for (const auto& [id, keyframe] : b.keyframes) {
+    const auto same = of_a.find(keyframe.utime_us);
+    if (same == of_a.end()) continue;
+    ++state.keyframes;
+    state.revision_a = std::max(state.revision_a, last_change(a, *same->second));
+    state.revision_b = std::max(state.revision_b, last_change(b, keyframe));
+  }
+  return state;
+}
+
 ComparedPair compare_submaps(const Submap& a, const Submap& b, const PairOptions& options) {
-  ComparedPair pair{.revision_a = a.revision, .revision_b = b.revision, .edge = std::nullopt};
+  ComparedPair pair{
+      .revision_a = a.revision, .revision_b = b.revision, .shared = shared_state(a, b), .edge = std::nullopt};
   const Correspondences common = find_correspondences(a, b);
   if (common.keyframes.empty()) return pair;
   const Alignment alignment = align_submaps(a, b, common, options.alignment);

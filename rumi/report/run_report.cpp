@@ -292,8 +292,7 @@ Submap path_alone(const std::string& folder) {
   Keyframe first;
   first.id = 0;
   submap.keyframes[0] = first;
-  for (const TimedPose& pose : path.poses)
-    submap.frames.set({pose.utime_us, 0, pose.map_from_cam.inverse()});
+  for (const TimedPose& pose : path.poses) submap.frames.set({pose.utime_us, 0, pose.map_from_cam.inverse()});
   return submap;
 }
 

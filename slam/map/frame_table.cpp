@@ -33,9 +33,9 @@ FrameTable::const_iterator& FrameTable::const_iterator::operator--() {
 }
 
 size_t FrameTable::block_of(int64_t utime_us) const {
-  const auto after =
-      std::upper_bound(blocks_.begin(), blocks_.end(), utime_us,
-                       [](int64_t utime, const Block& block) { return utime < block.frames->front().utime_us; });
+  const auto after = std::upper_bound(blocks_.begin(), blocks_.end(), utime_us, [](int64_t utime, const Block& block) {
+    return utime < block.frames->front().utime_us;
+  });
   return after == blocks_.begin() ? 0 : after - blocks_.begin() - 1;
 }
 

@@ -98,11 +98,11 @@ class FrameTable {
 
  private:
   struct Block {
-    int64_t revision = 0;  // no frame of the block has a higher one
+    int64_t revision = 0;                        // no frame of the block has a higher one
     CopyOnWrite<std::vector<FramePose>> frames;  // ascending, never empty
   };
   size_t block_of(int64_t utime_us) const;  // the block that has the frame, or into which it belongs
-  void append(const FramePose& frame);  // later than all others
+  void append(const FramePose& frame);      // later than all others
   void split(size_t block);
 
   std::vector<Block> blocks_;  // in order of time

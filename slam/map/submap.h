@@ -90,9 +90,9 @@ class Submap {
   bool closed = false;
   int64_t revision = 0;
 
-  std::map<int, Keyframe> keyframes;    // by id
-  IdMap<Landmark> landmarks;            // by id
-  FrameTable frames;                    // keyframes have an entry too
+  std::map<int, Keyframe> keyframes;  // by id
+  IdMap<Landmark> landmarks;          // by id
+  FrameTable frames;                  // keyframes have an entry too
   Removals removed_keyframes, removed_landmarks;
 
   Keyframe* keyframe(int id);

@@ -59,7 +59,9 @@ Growth grow(const Submap& submap, int early_keyframes) {
     if (landmark.observations.size() < 2) late_landmarks.insert(id);
   }
   std::erase_if(early.keyframes, [&](const auto& item) { return is_late(item.first); });
-  std::erase_if(early.frames, [&](const auto& item) { return is_late(item.second.reference_keyframe); });
+  early.frames = {};
+  for (const auto& [utime_us, frame] : submap.frames)
+    if (!is_late(frame.reference_keyframe)) early.frames.set(frame);
   for (int id : late_landmarks) early.landmarks.erase(id);
   for (auto& [id, keyframe] : early.keyframes)
     for (int& landmark : keyframe.landmark_ids)
@@ -71,8 +73,9 @@ Growth grow(const Submap& submap, int early_keyframes) {
     if (is_late(id)) keyframe.created_revision = growth.late.revision;
   }
   for (int id : late_landmarks) growth.late.landmark(id)->revision = growth.late.revision;
-  for (auto& [utime_us, frame] : growth.late.frames)
-    if (is_late(frame.reference_keyframe)) frame.revision = growth.late.revision;
+  growth.late.frames.change_all([&](FramePose* frame) {
+    if (is_late(frame->reference_keyframe)) frame->revision = growth.late.revision;
+  });
   return growth;
 }
 

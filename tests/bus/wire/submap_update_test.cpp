@@ -286,7 +286,7 @@ TEST(SubmapUpdateTest, RemovalsMayNotLeaveReferences) {
 
 TEST(SubmapUpdateTest, DeviationsTravelWithTheFrames) {
   Submap source = tiny(), copy;
-  source.frames[100].sigmas = {0.1F, 0.003F, 0};
+  source.frames.set({100, 4, SE3(), 1, {0.1F, 0.003F, 0}});
   source.frames.set({200, 4, SE3(), 1});
   ASSERT_EQ(send(source, 0, &copy), "");
   EXPECT_EQ(copy.frames.at(100).sigmas, (PoseSigmas{0.1F, 0.003F, 0}));
@@ -299,7 +299,7 @@ TEST(SubmapUpdateTest, ADeviationThatIsNoneIsNotKnown) {
   for (const float bad : {-1.0F, -0.01F, static_cast<float>(kNan), infinite, -infinite, 3e38F})
     for (float frame_t::*member : {&frame_t::position_sigma, &frame_t::rotation_sigma_rad, &frame_t::log_scale_sigma}) {
       Submap source = tiny(), copy;
-      source.frames[100].sigmas = {0.1F, 0.003F, 0.2F};
+      source.frames.set({100, 4, SE3(), 1, {0.1F, 0.003F, 0.2F}});
       submap_update_t update = make_submap_update(source, 0);
       update.frames[0].*member = bad;
       ASSERT_EQ(apply_submap_update(update, &copy).error_text(), "") << bad;

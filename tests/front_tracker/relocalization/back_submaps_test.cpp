@@ -22,7 +22,7 @@ Submap back_submap(unsigned seed, int id, int64_t begin_us = 0) {
   submap.key = {1, id};
   submap.kind = SubmapKind::kBack;
   submap.closed = true;
-  submap.frames.clear();
+  submap.frames = {};
   for (auto& [kf_id, kf] : submap.keyframes) {
     kf.utime_us += begin_us;
     submap.frames.set({kf.utime_us, kf_id, SE3(), 1});
@@ -103,7 +103,7 @@ TEST_F(BackSubmapsTest, IdsAreMadeSmallAndInOrderOfTime) {
   Submap shuffled = submap;
   shuffled.keyframes.clear();
   shuffled.landmarks.clear();
-  shuffled.frames.clear();
+  shuffled.frames = {};
   const auto keyframe_id = [](int id) { return kMaxKeyframeId - id; };
   const auto landmark_id = [](int id) { return IdMap<Landmark>::kMaxId - 100'000 + id; };
   for (const auto& [id, kf] : submap.keyframes) {

@@ -32,7 +32,7 @@ Submap rebuilt(const RenderedWalk& walk) {
   submap.key = {1, -1};
   submap.kind = SubmapKind::kBack;
   submap.closed = true;
-  submap.frames.clear();
+  submap.frames = {};
   for (auto& [id, kf] : submap.keyframes) {
     kf.cam_from_submap.translation *= 3;
     submap.frames.set({kf.utime_us, id, SE3(), 1});

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
+#include <set>
 
 #include "slam/map/landmark_view.h"
 #include "tests/front_tracker/rendered_walk.h"
@@ -30,6 +32,42 @@ TEST(Tracker, TracksTheWholeWalkAndRepeatsItself) {
   const Error e = error_of(a.submaps()[0]->map);
   EXPECT_EQ(e.frames, sequence().images.size()) << "frames before the start get their poses afterwards";
   EXPECT_LT(e.rmse_m, 0.02 * e.path_m);
+}
+
+// Returns the greatest distance between the poses that a frame has in two submaps.
+double farthest_apart(const Submap& a, const Submap& b) {
+  double farthest = 0;
+  for (const auto& [utime_us, frame] : b.frames)
+    if (const FramePose* same = a.frame(utime_us))
+      farthest = std::max(farthest, (a.cam_from_submap(*same).center() - b.cam_from_submap(frame).center()).norm());
+  return farthest;
+}
+
+TEST(Tracker, AFullSubmapIsContinuedInANewOneWithoutALoss) {
+  FrontTrackerOptions options = replay_options();
+  options.mapping.submap_keyframes = 12;
+  options.mapping.bundle_keyframes = options.mapping.bundle_fixed_keyframes = 4;
+  Tracker tracker(sequence().camera, options, 1);
+  for (size_t i = 0; i < sequence().images.size(); ++i) tracker.process(sequence().utime_us[i], sequence().images[i]);
+  const auto& submaps = tracker.submaps();
+  ASSERT_GE(submaps.size(), 2U);
+  for (size_t s = 1; s < submaps.size(); ++s) {
+    const Submap &before = submaps[s - 1]->map, &after = submaps[s]->map;
+    EXPECT_EQ(tracker.continued_from(after.key.id), before.key.id);
+    EXPECT_LE(before.keyframes.size(), 14U);
+    size_t shared = 0;
+    for (const auto& [id, keyframe] : after.keyframes) shared += before.keyframe(id) != nullptr;
+    EXPECT_GE(shared, 3U);
+    EXPECT_LT(farthest_apart(before, after), 0.02) << "they have the same unit and frame of reference";
+  }
+  EXPECT_EQ(tracker.continued_from(1), kNoSubmap);
+  std::set<int64_t> posed;
+  for (const auto& submap : submaps) {
+    for (const auto& [utime_us, frame] : submap->map.frames) posed.insert(utime_us);
+    const Error e = error_of(submap->map);
+    EXPECT_LT(e.rmse_m, 0.02 * e.path_m);
+  }
+  EXPECT_EQ(posed.size(), sequence().images.size());
 }
 
 TEST(Tracker, TheFirstKeyframesHaveAllSizesOfTheirImages) {

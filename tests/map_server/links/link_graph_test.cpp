@@ -28,7 +28,7 @@ class LinkGraphTest : public ::testing::Test {
  protected:
   const LinkEdge* by_images(int a, int b, int inliers, const std::string& doubt = "") {
     ComparedPair& pair = graph_.compared[{key(a), key(b)}];
-    pair = {1, 1, edge(a, b, inliers, doubt)};
+    pair = {.revision_a = 1, .revision_b = 1, .edge = edge(a, b, inliers, doubt)};
     return &*pair.edge;
   }
   // Adds the only edge of these two submaps to places.found.
@@ -155,7 +155,7 @@ TEST_F(LinkGraphTest, SubmapsTouchByEdgesAndByPointsOfTheBuiltMap) {
 
 TEST_F(LinkGraphTest, TheEdgeOfTwoIsFoundFromEitherSide) {
   const LinkEdge* edge = by_images(1, 2, 50, "no");
-  graph_.compared[{key(1), key(3)}] = {1, 1, std::nullopt};
+  graph_.compared[{key(1), key(3)}] = {.revision_a = 1, .revision_b = 1, .edge = std::nullopt};
   EXPECT_EQ(graph_.edge_between(key(1), key(2)), edge);
   EXPECT_EQ(graph_.edge_between(key(2), key(1)), edge);
   EXPECT_EQ(graph_.edge_between(key(1), key(3)), nullptr);

@@ -90,6 +90,7 @@ TEST_F(ArrangementTest, AWrongMergeThatWasServedComesApart) {
   torn.center_noise_m = 0.5;
   made_[front1_] = make_submap(world_, images_, torn);
   made_[front1_].submap.revision = 2;
+  for (auto& [id, keyframe] : made_[front1_].submap.keyframes) keyframe.revision = 2;
   const BuiltMap map = maker.build({.submaps = submaps(), .placed = served});
   print("apart again", map, error(map.placements));
   EXPECT_EQ(map.placements.size(), 4u);

@@ -17,7 +17,7 @@ class MapMembersTest : public ::testing::Test {
     Submap& submap = made_[key];
     submap.key = key;
     submap.kind = key.id < 0 ? SubmapKind::kBack : SubmapKind::kFront;
-    for (int i = 0; i < frames; ++i) submap.frames.set({});
+    for (int i = 0; i < frames; ++i) submap.frames.set({++last_us_, kNone, {}});
     input_.submaps[key] = &submap;
     return key;
   }

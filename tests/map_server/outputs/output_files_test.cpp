@@ -39,11 +39,11 @@ Submap small_submap(int32_t id) {
   Keyframe& keyframe = s.keyframes.begin()->second;
   const Eigen::Quaterniond half_turn(0, 0, 1, 0);
   keyframe.cam_from_submap = SE3(half_turn, Eigen::Vector3d(1, 2, 3)).inverse();
-  while (s.frames.size() > 3) s.frames.erase(std::prev(s.frames.end()));
-  for (auto& [utime, frame] : s.frames) {
-    frame.cam_from_keyframe = SE3();
-    frame.sigmas = utime == 1'700'000'000'033'375 ? PoseSigmas{0.5F, 0.0125F, 0.02F} : PoseSigmas();
-  }
+  s.frames.erase_from(std::next(s.frames.begin(), 3)->first);
+  s.frames.change_all([](FramePose* frame) {
+    frame->cam_from_keyframe = SE3();
+    frame->sigmas = frame->utime_us == 1'700'000'000'033'375 ? PoseSigmas{0.5F, 0.0125F, 0.02F} : PoseSigmas();
+  });
   return s;
 }
 

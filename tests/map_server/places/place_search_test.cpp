@@ -21,11 +21,10 @@ class PlaceSearchTest : public ::testing::Test {
     front_ = scene_.submap(kFront, points_, scene_.path(0, 0, 0), scene_.gauge(1));
     back_ = scene_.submap(kBack, points_, scene_.path(0, 0, 0), scene_.gauge(2));
     later_ = scene_.submap(kLater, points_, scene_.path(0.5, 0.1, 0.2, -0.1), scene_.gauge(0.7));
-    later_.frames.clear();
+    later_.frames = {};
     for (auto& [id, keyframe] : later_.keyframes) keyframe.utime_us += kLaterUs;
     for (Submap* submap : {&front_, &back_, &later_})
-      for (const auto& [id, keyframe] : submap->keyframes)
-        submap->frames.set({keyframe.utime_us, id, {}, 1});
+      for (const auto& [id, keyframe] : submap->keyframes) submap->frames.set({keyframe.utime_us, id, {}, 1});
   }
 
   std::map<SubmapKey, int> links_of(const PlaceLinks& places) {

@@ -98,8 +98,7 @@ class Builder {
               scene.submap(kB, seen_by_b, path, b_from_world), b_from_world * a_from_world.inverse()};
     for (auto& [id, keyframe] : pair.b.keyframes) keyframe.utime_us += 100'000'000;
     for (Submap* submap : {&pair.a, &pair.b})
-      for (const auto& [id, keyframe] : submap->keyframes)
-        submap->frames.set({keyframe.utime_us, id, {}, 1});
+      for (const auto& [id, keyframe] : submap->keyframes) submap->frames.set({keyframe.utime_us, id, {}, 1});
     return pair;
   }
   Pair pair(const Points& seen_by_a, const Points& seen_by_b) { return pair(seen_by_a, seen_by_b, path_b()); }

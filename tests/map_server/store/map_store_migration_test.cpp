@@ -138,7 +138,7 @@ void write_version_1(const Atlas& atlas, const std::string& file, const Sim3& ma
 // Versions before 4 had no standard deviations, and versions before 5 had only one pyramid.
 Submap without_sigmas(Submap submap) {
   submap.pyramid = {};
-  for (auto& [utime_us, frame] : submap.frames) frame.sigmas = {};
+  submap.frames.change_all([](FramePose* frame) { frame->sigmas = {}; });
   return submap;
 }
 

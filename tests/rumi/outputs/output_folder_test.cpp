@@ -252,10 +252,11 @@ TEST(LeftOut, SubmapsThatAreNotInTheMapAndWhy) {
   for (int id = 2; id <= 4; ++id) {
     Submap other = make_test_submap(3);
     other.key = {1, id};
-    std::map<int64_t, FramePose> frames;
-    for (auto [utime_us, frame] : other.frames) {
-      frame.utime_us = utime_us + id * 10'000'000;
-      frames[frame.utime_us] = frame;
+    FrameTable frames;
+    for (const auto& [utime_us, frame] : other.frames) {
+      FramePose later = frame;
+      later.utime_us += id * 10'000'000;
+      frames.set(later);
     }
     other.frames = frames;
     EXPECT_TRUE(atlas.change_submap(other.key, [&](Submap* submap) {

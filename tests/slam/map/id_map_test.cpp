@@ -44,6 +44,22 @@ void expect_same(const IdMap<int>& map, const std::map<int, int>& like, int most
   }
 }
 
+TEST(IdMap, CopiesShareWhatNeitherHasChanged) {
+  IdMap<int> map;
+  for (int id = 0; id < 200; ++id) map.emplace(id, id);
+  IdMap<int> copy = map;
+  const IdMap<int>&read = map, &read_copy = copy;
+  for (int id = 0; id < 200; ++id) EXPECT_EQ(read.get(id), read_copy.get(id)) << "one value for both";
+  copy.at(70) = -1;
+  EXPECT_EQ(read.at(70), 70);
+  EXPECT_NE(read.get(100), read_copy.get(100)) << "of the same leaf";
+  EXPECT_EQ(read.get(10), read_copy.get(10));
+  map.erase(10);
+  EXPECT_EQ(read_copy.at(10), 10);
+  copy = {};
+  EXPECT_EQ(read.at(199), 199);
+}
+
 TEST(IdMap, IsUsedAsAMapOfTheStandard) {
   constexpr int kMost = 400;
   std::mt19937 rng(1);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <utility>
 
 #include "tests/viewer_offscreen/test_map.h"
 #include "viewer_offscreen/picture/draw_map.h"
@@ -74,8 +75,9 @@ TEST_F(MapPictureTest, LostSpansAreFoundAndDrawn) {
 }
 
 TEST_F(MapPictureTest, ALossWithinASubmapBreaksItsLine) {
-  for (auto it = first_.frames.begin(); it != first_.frames.end();)
-    it = it->first > 4'000'000 && it->first < 5'000'000 ? first_.frames.erase(it) : std::next(it);
+  const FrameTable all = std::exchange(first_.frames, {});
+  for (const auto& [utime_us, frame] : all)
+    if (utime_us <= 4'000'000 || utime_us >= 5'000'000) first_.frames.set(frame);
   const Scene scene = make_scene({.submaps = {{&first_, true}}, .frames = test_frames(0, 8)});
   ASSERT_EQ(scene.lost.size(), 1u);
   int breaks = 0;
