@@ -12,6 +12,10 @@ void describe(OptionTable& table, MergeOptions& o) {
   table.add("map_server.merge_interval_s", &o.interval_s, "s", "from one look at what is new to the next", 0, 1000);
   table.add("map_server.adjustment_interval_s", &o.adjustment_interval_s, "s",
             "from one adjustment of the whole map to the next, at least; and 0.25 s for each image of it", 0, 1e6);
+  table.add(
+      "map_server.final_s", &o.final_s, "s",
+      "adjusting the map at the end of a live run, and before a snapshot, at most; what it has by then is the map", 0,
+      1e6);
   table.add("map_server.merge_nice", &o.nice, "", "of the thread that merges", 0, 19);
   table.add("map_server.max_joint_chi2", &o.builder.arrangement.graph.max_joint_chi2, "",
             "of a joint in the map as a whole, in sigma^2; one that is farther out is a mistake, and taken out", 1,

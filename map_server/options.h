@@ -10,7 +10,7 @@ namespace rumi::map_server {
 
 struct MapServerOptions {
   MergeOptions merge;
-  std::string database = "map.db";  // the map's file, or ":memory:"
+  std::string database = "map.db";  // the map's file, or ":memory:": none
   bool localize_only = false;       // localize in the database's map, which is not changed
   double snapshot_s = 0;            // period of the copies, s; 0: none
   std::string snapshot_file = "map-snapshot.db";

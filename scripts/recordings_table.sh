@@ -9,7 +9,9 @@
 # What is measured in OUT is kept, so that an interrupted run can be continued.
 # RUMI_TABLE_RECORDINGS="NAME ...": only these; backwards_NAME is NAME played backwards, every3_NAME every third image of
 # it (derived_recording.py): recordings that nothing was set on; KIND_NAME is NAME with something in its images that is not
-# the world (disturbed_recordings.py, which needs python3-opencv). RUMI_TABLE_SET="KEY=VALUE ...": other options. RUMI_TABLE_JOBS: runs at a
+# the world (disturbed_recordings.py, which needs python3-opencv). street_05 is a drive through a rendered town along
+# DATA/trajectories/kitti/05.txt, hardstreet_05 the same with three hard passages, street_campus a robot's round of 735 s.
+# RUMI_TABLE_SET="KEY=VALUE ...": other options. RUMI_TABLE_JOBS: runs at a
 # time (1: CPU times are then good). RUMI_TABLE_ONLY=1: the table of what exists. Needs python3.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
@@ -45,7 +47,7 @@ is_disturbed() { # name
 # Renders or derives a recording where it is not there yet. Leaves its folder in $folder.
 find_recording() { # name
   case $1 in
-    rendered_* | passages_* | backwards_* | every[0-9]*_*) ;;
+    rendered_* | passages_* | backwards_* | every[0-9]*_* | street_* | hardstreet_*) ;;
     *)
       if ! is_disturbed "$1"; then
         folder=$(stored "$1")
@@ -64,6 +66,7 @@ find_recording() { # name
     return 0
   fi
   case $kind in
+    street | hardstreet) render_street "$folder" "$kind" "$path" ;;
     backwards) python3 -B "$here/derived_recording.py" "$(stored "$path")" "$folder" --backwards ;;
     every*) python3 -B "$here/derived_recording.py" "$(stored "$path")" "$folder" --every "${kind#every}" ;;
     *)

@@ -22,3 +22,12 @@ render_path() { # folder NAME:START kind
   # shellcheck disable=SC2046
   "$rumi" synth -q --overwrite -o "$1" --path "$trajectories/${2%%:*}.txt" --start "${2##*:}" $(how_rendered "$3")
 }
+
+# A drive along a path of KITTI, or `campus`, a robot's round. hardstreet: with three passages in which tracking is lost.
+render_street() { # folder street|hardstreet NAME
+  how="--path $trajectories/kitti/$3.txt"
+  if [ "$3" = campus ]; then how="--walk campus --seconds 735 --rate 15"; fi
+  if [ "$2" = hardstreet ]; then how="$how --hard dark --at 60 --for 3 --hard blur --at 140 --for 3 --hard lorry --at 200 --for 3"; fi
+  # shellcheck disable=SC2086
+  "$rumi" synth -q --overwrite -o "$1" --scene street $how
+}

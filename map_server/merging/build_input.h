@@ -33,8 +33,11 @@ struct BuildInput {
   std::set<int64_t> present = {};
   // Null, or a flag that cancels the build: once it is true, every call returns soon, and its result must be discarded.
   const std::atomic<bool>* cancel = nullptr;
+  // Null, or a flag that is true once the build has taken long enough: it ends soon, and its map counts as it is then.
+  const std::atomic<bool>* enough = nullptr;
 
   bool is_cancelled() const { return cancel && *cancel; }
+  bool must_end() const { return is_cancelled() || (enough && *enough); }
 };
 
 }  // namespace rumi::map_server

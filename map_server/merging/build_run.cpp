@@ -10,9 +10,10 @@
 
 namespace rumi::map_server {
 
-BuildRun::BuildRun(const MapBuilderOptions& options, const std::atomic<bool>* cancel)
+BuildRun::BuildRun(const MapBuilderOptions& options, const std::atomic<bool>* cancel, const std::atomic<bool>* enough)
     : options_(options), finder_(options.links), builder_(options) {
   input_.cancel = cancel;
+  input_.enough = enough;
 }
 
 void BuildRun::fix(std::set<SubmapKey> all, const std::set<SubmapKey>& in_map) {

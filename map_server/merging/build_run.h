@@ -36,8 +36,8 @@ using SubmapCopies = std::map<SubmapKey, std::shared_ptr<const Submap>>;
 
 class BuildRun {
  public:
-  // `cancel`: becomes true when a running build shall return soon.
-  BuildRun(const MapBuilderOptions& options, const std::atomic<bool>* cancel);
+  // `cancel`, `enough`: see BuildInput.
+  BuildRun(const MapBuilderOptions& options, const std::atomic<bool>* cancel, const std::atomic<bool>* enough);
 
   // `all`: see BuildInput::fixed; `in_map`: those that are in the map. Call it before the first build.
   void fix(std::set<SubmapKey> all, const std::set<SubmapKey>& in_map);

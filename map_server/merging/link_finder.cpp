@@ -78,7 +78,7 @@ void LinkFinder::search_beside_members(const BuildInput& input, LinkGraph* graph
   for (const auto& [key, submap] : input.submaps)
     if (!members.contains(key)) beside.insert(key);
   const auto joined = [&](const Place& a, const Place& b) {
-    return input.is_cancelled() || beside.contains(b.submap) || is_joined(*graph, a, b);
+    return input.must_end() || beside.contains(b.submap) || is_joined(*graph, a, b);
   };
   places_.search_again(beside, input.submaps, joined, &graph->places);
 }

@@ -149,12 +149,12 @@ MapBuildReport MapBuilder::adjust(const BuildInput& input, const BuiltContacts& 
   BundleSolver solver;
   MapBundleOptions last = options_.bundle;
   last.solver = &solver;
-  last.cancel = input.cancel;
+  last.cancel = input.enough ? input.enough : input.cancel;
   // Each association moves the map again, so only the last adjustment must converge.
   MapBundleOptions on_the_way = last;
   on_the_way.function_tolerance = on_the_way.passing_tolerance;
   MapBundleReport bundle = adjust_map(window, rounds > 0 ? on_the_way : last, model);
-  for (int round = 0; round < rounds && !input.is_cancelled(); ++round, association.radius_px /= 2) {
+  for (int round = 0; round < rounds && !input.must_end(); ++round, association.radius_px /= 2) {
     const AssociationReport found = associate(association, window, model);
     report.observed += found.observed;
     report.fused += found.fused;

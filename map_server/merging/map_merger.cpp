@@ -8,16 +8,17 @@
 
 #include "base/running/log.h"
 #include "base/running/stage_clock.h"
+#include "base/text/time_units.h"
 
 namespace rumi::map_server {
 
 MapMerger::MapMerger(const MergeOptions& options)
     : options_(options),
       schedule_(options.interval_s, options.adjustment_interval_s),
-      run_(options.builder, &cancel_),
+      run_(options.builder, &cancel_, &enough_),
       worker_(options.thread, options.nice) {}
 
-MapMerger::~MapMerger() { cancel_ = true; }
+MapMerger::~MapMerger() { cancel_ = enough_ = true; }
 
 void MapMerger::fix(std::set<SubmapKey> all, const std::set<SubmapKey>& in_map) { run_.fix(std::move(all), in_map); }
 
@@ -36,6 +37,7 @@ BuildNeeds MapMerger::needs_of(const Atlas& atlas) const {
 
 std::optional<MergeResult> MapMerger::tick(int64_t now_us, const Atlas& atlas) {
   now_us_ = now_us;
+  if (is_building_ && is_in_a_hurry_ && is_due(now_us, begun_us_, to_us(options_.final_s))) enough_ = true;
   if (is_building_) return worker_.pending() == 0 ? end(atlas) : std::nullopt;
   const BuildNeeds needs = needs_of(atlas);
   const auto scope = schedule_.due(needs, now_us);
@@ -54,6 +56,9 @@ void MapMerger::begin(BuildScope scope, int64_t now_us, const Atlas& atlas) {
     choose(scope);
     worker_.post([before = std::make_shared<Placements>(run_.set_places(atlas))] {});
   }
+  enough_ = false;
+  is_in_a_hurry_ = schedule_.is_in_a_hurry();
+  begun_us_ = now_us;
   schedule_.begun(scope, now_us);
   is_building_ = true;
   worker_.post([this] { run_.run(); });

@@ -31,7 +31,8 @@ struct MergeOptions {
   bool thread = true;                 // false: builds at once, as in a replay
   double interval_s = 2;              // least time from one build to the next, s
   double adjustment_interval_s = 20;  // least time from one adjustment of the whole map to the next, s
-  int nice = 10;                      // nice value of the thread
+  double final_s = 10;  // a build in a hurry (the last, or before a snapshot) adjusts for so long at most, s
+  int nice = 10;        // nice value of the thread
 };
 
 class MapMerger {
@@ -68,12 +69,14 @@ class MapMerger {
   void give_up(const std::string& reason);
 
   MergeOptions options_;
-  std::atomic<bool> cancel_ = false;
-  SubmapCopies copies_;  // all submaps, at their revisions when the last build began
+  std::atomic<bool> cancel_ = false, enough_ = false;  // see BuildInput
+  SubmapCopies copies_;                                // all submaps, at their revisions when the last build began
   Suspects suspects_;
   BuildSchedule schedule_;
   BuildRun run_;  // belongs to the worker while is_building_
   bool is_building_ = false;
+  bool is_in_a_hurry_ = false;  // whether the build began in a hurry
+  int64_t begun_us_ = 0;
   bool last_broke_off_ = false;
   Failures refused_{"a build of the map"};
   int64_t now_us_ = 0;

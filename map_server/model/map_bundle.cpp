@@ -26,6 +26,10 @@ class Bundle {
     for (int view : views)
       for (int point : model_.views[view].points)
         if (point != kNone) wanted[point] = 1;
+    size_t observations = 0;
+    for (size_t point = 0; point < wanted.size(); ++point)
+      if (wanted[point]) observations += model_.points[point].observations.size();
+    problem_.observations.reserve(observations);
     for (size_t point = 0; point < wanted.size(); ++point)
       if (wanted[point]) add_point(static_cast<int>(point));
     const auto is_fixed = [](const BundleProblem::View& view) { return view.fixed; };
@@ -99,6 +103,7 @@ class Bundle {
       of_point[problem_.observations[i].point] += good[i];
     }
     std::vector<BundleProblem::Observation> chosen;
+    chosen.reserve(static_cast<size_t>(std::count(good.begin(), good.end(), 1)));
     for (size_t i = 0; i < good.size(); ++i)
       if (good[i] && of_point[problem_.observations[i].point] >= 2) chosen.push_back(problem_.observations[i]);
     return chosen;

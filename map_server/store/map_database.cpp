@@ -34,7 +34,8 @@ Result<MapDatabase> MapDatabase::open(const std::string& file) {
     database.lock_ = std::move(*lock);
   }
   try {
-    database.db_ = Database(file);
+    // SQLite writes what its cache cannot hold of a database without a name to a file without a name.
+    database.db_ = Database(database.is_in_memory() ? "" : file);
     database.wait_ = kStartWait;
     database.db_.wait_for_others(database.wait_);
     if (const Result<> ours = database.bring_to_our_version(); !ours) return ours.error();

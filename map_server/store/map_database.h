@@ -19,7 +19,7 @@ inline constexpr std::chrono::seconds kReaderWait{10};
 
 class MapDatabase {
  public:
-  // Opens or creates FILE and takes FILE.lock; ":memory:" keeps everything in memory. Migrates a file of an older
+  // Opens or creates FILE and takes FILE.lock; ":memory:" keeps nothing when it ends. Migrates a file of an older
   // schema version in one transaction. An Error if the file is locked, is damaged, is not a map, has a newer version or
   // is not writable.
   static Result<MapDatabase> open(const std::string& file);

@@ -56,6 +56,41 @@ TEST_F(FrontTrackerNodeTest, APoseInTheMapNamesTheSubmapAndItsPlace) {
   EXPECT_FLOAT_EQ(poses.back().position_sigma, 2 * tracks_.back().position_sigma);
 }
 
+FrontTrackerOptions small_submaps() {
+  FrontTrackerOptions options = node_options();
+  options.mapping.submap_keyframes = 8;
+  options.mapping.bundle_keyframes = options.mapping.bundle_fixed_keyframes = 3;
+  return options;
+}
+class SmallSubmapsTest : public FrontTrackerNodeTest {
+ protected:
+  SmallSubmapsTest() : FrontTrackerNodeTest(small_submaps()) {}
+};
+
+// map_server places a new submap seconds after it began. Until then it lies where the one lies that it goes on from.
+TEST_F(SmallSubmapsTest, APoseInTheMapIsToldWhereASubmapGoesOnFromAPlacedOne) {
+  std::vector<map_pose_t> poses;
+  bus_.subscribe<map_pose_t>(channels::kMapPose, {}, [&](const map_pose_t& p) { poses.push_back(p); });
+  synth::SequenceRenderer renderer(walk(4));
+  for (int i = 0; i < renderer.frames(); ++i) {
+    give(image(renderer.utime_us(i), renderer.render(i)));
+    if (tracks_.back().submap_id != 1) continue;
+    map_status_t status{};
+    status.map_revision = status.front_submaps = status.submaps_in_map = status.nsubmaps = 1;
+    status.submaps.resize(1);
+    status.submaps[0].session = tracks_.back().session;
+    status.submaps[0].submap_id = 1;
+    status.submaps[0].in_map = true;
+    status.submaps[0].map_from_submap = to_wire(Sim3());
+    bus_.publish(channels::kMapStatus, status);
+    bus_.dispatch();
+  }
+  ASSERT_GE(node_->tracker()->submaps().size(), 3U);
+  EXPECT_EQ(poses.back().utime, tracks_.back().utime) << "the last image has a pose in the map";
+  EXPECT_EQ(poses.back().submap_id, tracks_.back().submap_id);
+  EXPECT_GE(poses.back().submap_id, 3);
+}
+
 TEST_F(FrontTrackerNodeTest, TheServersCopyIsComplete) {
   std::mt19937 rng(3);
   // The bus loses a fifth of the messages between front_tracker and the server.

@@ -243,6 +243,20 @@ TEST_F(MapMergerTest, AHurryDuringAnAdjustmentIsNotForgotten) {
   EXPECT_TRUE(merger.idle(atlas_));
 }
 
+TEST_F(MapMergerTest, ABuildInAHurryEndsInTimeAndItsMapCounts) {
+  for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2, Chain::kBack2, Chain::kFront3}) put(key);
+  options_.thread = true;
+  options_.final_s = 0;
+  MapMerger merger(options_);
+  merger.hurry();
+  EXPECT_FALSE(tick(&merger, 0));
+  const auto in_time = wait(&merger, 1);
+  ASSERT_TRUE(in_time);
+  EXPECT_EQ(in_time->scope, Scope::kAll);
+  EXPECT_EQ(in_time->map.placements().size(), 5U) << "nothing is left out";
+  EXPECT_TRUE(merger.idle(atlas_));
+}
+
 TEST_F(MapMergerTest, GivesUpWhatIsUnderWayAtTheEnd) {
   for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2, Chain::kBack2, Chain::kFront3}) put(key);
   MapMerger at_once(options_);
