@@ -16,7 +16,9 @@
 #include "bus/wire/jpeg_image.h"
 #include "bus/wire/pose.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
+#include "viewer_offscreen/picture/draw_in_child.h"
 #include "viewer_offscreen/picture/draw_map.h"
+#include "viewer_offscreen/picture/layout.h"
 
 namespace rumi::viewer_offscreen {
 namespace {
@@ -112,16 +114,24 @@ MapPicture ViewerNode::picture() const {
   return picture;
 }
 
+// A series has many pictures, and to set OpenGL up takes as long as to draw two.
+Result<cv::Mat> ViewerNode::draw_picture() {
+  if (!series_) return draw_in_child({kPictureWidth, kPictureHeight}, [this] { return draw_map(picture()); });
+  if (!renderer_) renderer_.emplace();
+  return renderer_->draw(make_scene(picture()));
+}
+
 void ViewerNode::draw() {
   const StageClock clock("viewer_offscreen.draw");
   const auto start = std::chrono::steady_clock::now();
   changed_ = false;
   try {
-    if (!renderer_) renderer_.emplace();
-    const cv::Mat image = renderer_->draw(make_scene(picture()));
-    ++pictures_;
-    bus_.publish(channels::kViewerImage, make_jpeg_image(last_utime_us_, image));
-    report(write(image).error_text());
+    const Result<cv::Mat> image = draw_picture();
+    if (image) {
+      ++pictures_;
+      bus_.publish(channels::kViewerImage, make_jpeg_image(last_utime_us_, *image));
+    }
+    report((image ? write(*image) : Result<>(image.error())).error_text());
   } catch (const std::exception& e) {  // no OpenGL, or no memory: the process must go on
     report(e.what());
   }

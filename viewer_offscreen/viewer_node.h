@@ -37,6 +37,7 @@ class ViewerNode : public Node {
   void on_map_status(const map_status_t& status);
   void request_missing(int64_t now_us);
   MapPicture picture() const;
+  Result<cv::Mat> draw_picture();
   void draw();
   Result<> write(const cv::Mat& image);
   void report(const std::string& trouble);
@@ -46,8 +47,8 @@ class ViewerNode : public Node {
   ViewerOptions options_;
   std::string name_;
   SubmapCopies copies_;
-  std::optional<Renderer> renderer_;
   std::optional<PictureSeries> series_;
+  std::optional<Renderer> renderer_;  // of a series
   CameraImages images_;
   MapOverview since_finish_;  // what map_server has reported since finish()
   FrameNotes frames_;

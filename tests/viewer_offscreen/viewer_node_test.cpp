@@ -17,6 +17,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/viewer_offscreen/test_map.h"
 #include "viewer_offscreen/canvas/palette.h"
+#include "viewer_offscreen/picture/layout.h"
 
 namespace rumi::viewer_offscreen {
 namespace {

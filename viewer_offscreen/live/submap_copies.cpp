@@ -2,6 +2,7 @@
 #include "viewer_offscreen/live/submap_copies.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "base/running/due.h"
@@ -15,6 +16,16 @@ namespace rumi::viewer_offscreen {
 namespace {
 
 constexpr int64_t kAskAgainUs = 2'000'000;  // time after which a request without an answer is repeated
+
+// Forgets the descriptors and undistorted pixels, which are most of a keyframe's memory.
+void keep_what_is_drawn(Submap* submap) {
+  for (auto& [id, keyframe] : submap->keyframes) {
+    if (keyframe.features->descriptors.empty()) continue;
+    auto features = std::make_shared<Features>();
+    features->keypoints = keyframe.features->keypoints;
+    keyframe.features = std::move(features);
+  }
+}
 
 }  // namespace
 
@@ -52,6 +63,7 @@ ChunkReceiver::Verdict SubmapCopies::on_payload(const ChunkReceiver::Payload& pa
   if (Bus::decode(payload.bytes, &update)) {
     if (update.base_revision == 0) copy->submap = Submap();
     reason = apply_submap_update(update, &copy->submap).error_text();
+    keep_what_is_drawn(&copy->submap);
     copy->placement_revision = copy->asked_placement_revision;
   }
   if (!reason.empty()) {

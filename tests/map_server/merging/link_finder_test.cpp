@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "tests/map_server/synthetic_chain.h"
@@ -56,6 +57,29 @@ TEST_F(LinkFinderTest, LooksOnlyAtWhatHasChanged) {
   two.submaps[changed.key] = &changed;
   graph = finder.find(graph, two);
   EXPECT_EQ(graph.edge_between(Chain::kFront1, Chain::kBack1)->link, before);
+}
+
+TEST_F(LinkFinderTest, APairThatFitsIsComparedAgainOnlyWhereWhatItSharesHasChanged) {
+  LinkFinder finder({});
+  BuildInput two = input({Chain::kFront1, Chain::kBack1});
+  LinkGraph graph = finder.find({}, two);
+  LinkEdge& edge = *graph.compared.begin()->second.edge;
+  ASSERT_TRUE(edge.link.accepted());
+  edge.link.rmse_px = 99;  // a mark
+  Submap grown = chain_->submap(Chain::kFront1);
+  const Submap& other = chain_->submap(Chain::kBack1);
+  two.submaps[grown.key] = &grown;
+  const auto mark = [&] { return graph.edge_between(Chain::kFront1, Chain::kBack1)->link.rmse_px; };
+  grown.keyframes.begin()->second.revision = ++grown.revision;
+  ASSERT_FALSE(other.frame(grown.keyframes.begin()->second.utime_us)) << "only this submap has its first keyframe";
+  graph = finder.find(graph, two);
+  EXPECT_EQ(mark(), 99);
+  const auto shared = std::find_if(grown.keyframes.begin(), grown.keyframes.end(),
+                                   [&](const auto& item) { return other.frame(item.second.utime_us) != nullptr; });
+  ASSERT_NE(shared, grown.keyframes.end());
+  shared->second.revision = ++grown.revision;
+  graph = finder.find(graph, two);
+  EXPECT_LT(mark(), 99);
 }
 
 TEST_F(LinkFinderTest, WhatIsFixedIsNotCompared) {
