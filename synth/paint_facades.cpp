@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Paints the fronts and roofs of houses.
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "synth/street_pictures.h"
@@ -183,7 +184,7 @@ cv::Vec3b shifted(cv::Vec3b colour, int amount, cv::RNG& rng) {
 
 cv::Mat paint_facade(const Facade& facade, double px_per_m, cv::RNG& rng) {
   const auto px = [&](double metres) {
-    return std::clamp(static_cast<int>(metres * px_per_m + 0.5), 16, TextureAtlas::kMaxPatch);
+    return std::clamp(static_cast<int>(std::lround(metres * px_per_m)), 16, TextureAtlas::kMaxPatch);
   };
   const cv::Size size(px(facade.width_m), px(facade.height_m));
   Canvas canvas{cv::Mat(size, CV_8U, cv::Scalar(128)), cv::Mat::zeros(size, CV_8U), px_per_m, rng};

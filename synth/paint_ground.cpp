@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Paints roads, pavements and lawns, whose pictures fit to themselves on all sides.
+#include <cmath>
 #include <initializer_list>
 #include <opencv2/imgproc.hpp>
 
@@ -10,7 +11,7 @@ namespace {
 
 constexpr int kSize = TextureAtlas::kSize;
 
-int px(double metres) { return static_cast<int>(metres * kGroundPxPerM + 0.5); }
+int px(double metres) { return static_cast<int>(std::lround(metres * kGroundPxPerM)); }
 
 cv::Mat bytes(int size, cv::RNG& rng) {
   cv::Mat out(size, size, CV_8U);
@@ -82,6 +83,7 @@ void cracks(cv::Mat& image, int count, double length_m, int ink, cv::RNG& rng) {
     }
     wrapped(at, px(length_m), [&](cv::Point shift) {
       std::vector<cv::Point> there;
+      there.reserve(line.size());
       for (const cv::Point& p : line) there.push_back(p + shift);
       cv::polylines(image, there, false, ink, width, cv::LINE_AA);
     });

@@ -93,7 +93,7 @@ cv::Mat paint_car_side(const CarShape& shape, cv::RNG& rng) {
   const auto at = [&](double x, double z) {
     return cv::Point(static_cast<int>((x + shape.length_m / 2) * k), static_cast<int>((shape.height_m - z) * k));
   };
-  for (int y = 0; y < size.height; ++y) tone.row(y).setTo(225 - 120 * y / size.height);
+  for (int y = 0; y < size.height; ++y) tone.row(y).setTo(225 - static_cast<int>(120 * y / size.height));
   cv::rectangle(tone, at(-3, .36), at(3, .2), 25, cv::FILLED);
   cv::line(tone, at(-3, .62), at(3, .62), 70, 2);
   paint_car_windows(shape, at, tone, accent, rng);
@@ -113,7 +113,7 @@ cv::Mat paint_car_side(const CarShape& shape, cv::RNG& rng) {
 cv::Mat paint_car_end(bool rear, cv::RNG& rng) {
   const cv::Size size(156, 64);
   cv::Mat tone(size, CV_8U), accent = cv::Mat::zeros(size, CV_8U);
-  for (int y = 0; y < size.height; ++y) tone.row(y).setTo(200 - 90 * y / size.height);
+  for (int y = 0; y < size.height; ++y) tone.row(y).setTo(200 - static_cast<int>(90 * y / size.height));
   for (const int x : {4, size.width - 34}) {
     cv::rectangle(tone, cv::Rect(x, 6, 30, 18), rear ? 140 : 255, cv::FILLED);
     if (rear) cv::rectangle(accent, cv::Rect(x, 6, 30, 18), 255, cv::FILLED);

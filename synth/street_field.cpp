@@ -91,7 +91,7 @@ void StreetField::smooth_ground(const Route& route) {
   cv::Mat weight = cv::Mat::zeros(rows_ + 1, columns_ + 1, CV_32F), sum = weight.clone();
   for (const Vector3d& p : route.points()) {
     const Vector2d cell = (p.head<2>() - low_) / kCell_m;
-    const cv::Point at(static_cast<int>(cell.x() + 0.5), static_cast<int>(cell.y() + 0.5));
+    const cv::Point at(static_cast<int>(std::lround(cell.x())), static_cast<int>(std::lround(cell.y())));
     weight.at<float>(at) += 1;
     sum.at<float>(at) += static_cast<float>(p.z() - kCameraHeight_m);
   }

@@ -114,9 +114,11 @@ MapPicture ViewerNode::picture() const {
   return picture;
 }
 
-// A series has many pictures, and to set OpenGL up takes as long as to draw two.
+// To set OpenGL up takes as long as to draw four pictures. Whoever draws often keeps it.
 Result<cv::Mat> ViewerNode::draw_picture() {
-  if (!series_) return draw_in_child({kPictureWidth, kPictureHeight}, [this] { return draw_map(picture()); });
+  constexpr double kOften_s = 15;
+  if (!series_ && options_.interval_s >= kOften_s)
+    return draw_in_child({kPictureWidth, kPictureHeight}, [this] { return draw_map(picture()); });
   if (!renderer_) renderer_.emplace();
   return renderer_->draw(make_scene(picture()));
 }

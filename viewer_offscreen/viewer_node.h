@@ -48,7 +48,7 @@ class ViewerNode : public Node {
   std::string name_;
   SubmapCopies copies_;
   std::optional<PictureSeries> series_;
-  std::optional<Renderer> renderer_;  // of a series
+  std::optional<Renderer> renderer_;  // if pictures are drawn often
   CameraImages images_;
   MapOverview since_finish_;  // what map_server has reported since finish()
   FrameNotes frames_;
