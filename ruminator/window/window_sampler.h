@@ -29,7 +29,7 @@
 //                ... that leaves no gap and connects no submaps  watching: the window is dropped
 //                ... that has enough samples, with late poses    complete, watching
 //   departure  a frame of the same submap                        departure; with enough samples: complete, watching
-//              a frame of another submap                         watching: the window ends
+//              a frame of another known submap                   watching: the window ends
 //              a frame without a pose, if the submap died young  gap: the same window
 //                ... otherwise                                   gap: complete, and another window opens
 //              withdrawn poses of the submap tracked now         gap: the same window

@@ -58,7 +58,8 @@ const Line kLines[] = {
     {"departure, few samples", Phase::kDeparture, frames(5, 2), Phase::kDeparture, 0, 1},
     {"departure, enough keyframes", Phase::kDeparture, frames(9, 2, 4), Phase::kWatching, 1, 0},
     {"departure, a camera that stands still", Phase::kDeparture, frames(200, 2), Phase::kWatching, 1, 0},
-    {"departure, another submap", Phase::kDeparture, frames(1, 3), Phase::kWatching, 1, 0},
+    {"departure, another known submap", Phase::kDeparture, frames(1, 1), Phase::kWatching, 1, 0},
+    {"departure, a new submap that goes on", Phase::kDeparture, frames(1, 3), Phase::kDeparture, 0, 1},
     {"departure, died young", Phase::kDeparture, frames(1, kNoSubmap), Phase::kGap, 0, 1},
     {"departure, lost with enough", Phase::kDeparture,
      [](WindowFeed& f) {
