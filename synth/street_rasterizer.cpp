@@ -81,7 +81,6 @@ double sight_m(DrawnAs drawn_as) {
     case DrawnAs::kNear:
       return 130;
     case DrawnAs::kSmall:
-      return 80;
     case DrawnAs::kMarks:
       return 80;
     case DrawnAs::kLeaves:
