@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -316,7 +317,7 @@ std::optional<FoundPose> Tracker::begin_submap(const Frame& frame) {
 }
 
 FrontSubmap& Tracker::open_submap(Submap known) {
-  const SubmapKey key{session_, static_cast<int32_t>(submaps_.size()) + 1};
+  const SubmapKey key = next_key();
   known.camera = camera_;
   known.pyramid = options_.orb.pyramid;
   known.stream = stream_;
@@ -329,8 +330,9 @@ void Tracker::leave_full_submap() {
   const std::scoped_lock lock(map_mutex_);
   if (active().map.keyframes.size() <= static_cast<size_t>(most)) return;
   motion_.follow_mapping(active().map);
-  const SubmapKey key{session_, static_cast<int32_t>(submaps_.size()) + 1};
-  const int around = options_.mapping.bundle_keyframes + options_.mapping.bundle_fixed_keyframes;
+  const SubmapKey key = next_key();
+  // The new one must be far from full, whatever the options are.
+  const int around = std::min(options_.mapping.bundle_keyframes + options_.mapping.bundle_fixed_keyframes, most / 2);
   submaps_.push_back(go_on_from(active(), key, motion_.last().utime_us, static_cast<size_t>(around)));
   continued_from_[key.id] = active().map.key.id;
   const size_t full = std::exchange(active_, submaps_.size() - 1);

@@ -124,6 +124,7 @@ class Tracker {
   // These begin a submap.
   void wait_to_begin(const Frame& frame);
   std::optional<FoundPose> begin_submap(const Frame& frame);
+  SubmapKey next_key() const { return {session_, static_cast<int32_t>(submaps_.size()) + 1}; }
   FrontSubmap& open_submap(Submap known);
   // If the active submap is full, lets tracking go on in a new one that begins with the keyframes around the camera.
   void leave_full_submap();
