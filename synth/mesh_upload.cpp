@@ -40,6 +40,16 @@ std::vector<Eigen::Vector3d> frustum_normals(const Camera& c) {
   return {{1, 0, -l}, {-1, 0, r}, {0, 1, -t}, {0, -1, b}, {0, 0, 1}};
 }
 
+bool is_in_frustum(const std::vector<Eigen::Vector3d>& normals, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                   const SE3& cam_from_world) {
+  for (const Eigen::Vector3d& inward : normals) {
+    const Eigen::Vector3d n = cam_from_world.rotation.conjugate() * inward;
+    const Eigen::Vector3d farthest = (n.array() > 0).select(high, low);
+    if (n.dot(farthest) + inward.dot(cam_from_world.translation) < 0) return false;
+  }
+  return true;
+}
+
 unsigned upload_vertices(const std::vector<Vertex>& vertices) {
   return upload(GL_ARRAY_BUFFER, vertices.size() * sizeof(Vertex), vertices.data());
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "slam/geometry/camera.h"
+#include "slam/geometry/transform.h"
 #include "synth/mesh.h"
 
 namespace rumi::synth {
@@ -16,6 +17,9 @@ namespace rumi::synth {
 Eigen::Matrix4d clip_from_camera(const Camera& camera, double near_m, double far_m);
 // Returns the normals of the planes around what a camera sees. They point inwards, in the camera's frame.
 std::vector<Eigen::Vector3d> frustum_normals(const Camera& camera);
+// True if a part of the box may be within the planes with these normals.
+bool is_in_frustum(const std::vector<Eigen::Vector3d>& normals, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                   const SE3& cam_from_world);
 
 // These return a buffer, which stays bound.
 unsigned upload_vertices(const std::vector<Vertex>& vertices);

@@ -189,9 +189,7 @@ cv::Mat paint_facade(const Facade& facade, double px_per_m, cv::RNG& rng) {
   const cv::Size size(px(facade.width_m), px(facade.height_m));
   Canvas canvas{cv::Mat(size, CV_8U, cv::Scalar(128)), cv::Mat::zeros(size, CV_8U), px_per_m, rng};
   FacadePainter(facade, canvas).paint();
-  cv::Mat both;
-  cv::merge(std::vector<cv::Mat>{canvas.tone, canvas.accent}, both);
-  return both;
+  return both(canvas.tone, canvas.accent);
 }
 
 Palette facade_palette(cv::RNG& rng) {
@@ -218,9 +216,7 @@ cv::Mat paint_roof(cv::Size size, double px_per_m, cv::RNG& rng) {
     cv::rectangle(c.tone, r, 230, cv::FILLED);
     cv::rectangle(c.tone, cv::Rect(r.x + 2, r.y + 2, r.width - 4, r.height - 4), 25, cv::FILLED);
   }
-  cv::Mat both;
-  cv::merge(std::vector<cv::Mat>{c.tone, c.accent}, both);
-  return both;
+  return both(c.tone, c.accent);
 }
 
 Palette roof_palette(cv::RNG& rng) {

@@ -90,12 +90,6 @@ void cracks(cv::Mat& image, int count, double length_m, int ink, cv::RNG& rng) {
   }
 }
 
-cv::Mat both(const cv::Mat& tone, const cv::Mat& accent) {
-  cv::Mat out;
-  cv::merge(std::vector<cv::Mat>{tone, accent}, out);
-  return out;
-}
-
 // Where the asphalt was mended: rectangles of another shade with a seam.
 void mend(cv::Mat& tone, int count, cv::RNG& rng) {
   for (int i = 0; i < count; ++i) {

@@ -7,12 +7,6 @@
 namespace rumi::synth {
 namespace {
 
-cv::Mat both(const cv::Mat& tone, const cv::Mat& accent) {
-  cv::Mat out;
-  cv::merge(std::vector<cv::Mat>{tone, accent}, out);
-  return out;
-}
-
 void draw_leaf(cv::Mat& tone, cv::Point at, int ink, cv::RNG& rng, cv::Mat* hole) {
   const cv::Size axes(rng.uniform(6, 13), rng.uniform(3, 7));
   const double turn = rng.uniform(0, 180);

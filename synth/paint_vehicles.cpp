@@ -7,12 +7,6 @@
 namespace rumi::synth {
 namespace {
 
-cv::Mat both(const cv::Mat& tone, const cv::Mat& accent) {
-  cv::Mat out;
-  cv::merge(std::vector<cv::Mat>{tone, accent}, out);
-  return out;
-}
-
 cv::Vec3b shifted(cv::Vec3b colour, int amount, cv::RNG& rng) {
   for (int k = 0; k < 3; ++k) colour[k] = cv::saturate_cast<uchar>(colour[k] + rng.uniform(-amount, amount + 1));
   return colour;

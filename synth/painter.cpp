@@ -112,6 +112,12 @@ void draw_text_line(cv::Mat& image, int left, int right, int baseline_y, int hei
   cv::putText(image, line, {left, baseline_y}, font, scale, cv::Scalar(tone), thickness, cv::LINE_AA);
 }
 
+cv::Mat both(const cv::Mat& tone, const cv::Mat& accent) {
+  cv::Mat out;
+  cv::merge(std::vector<cv::Mat>{tone, accent}, out);
+  return out;
+}
+
 cv::Mat paint(Material material, cv::Size size, double px_per_m, cv::RNG& rng) {
   Canvas canvas{cv::Mat(size, CV_8U, cv::Scalar(128)), cv::Mat::zeros(size, CV_8U), px_per_m, rng};
   if (material <= Material::kStone) {
@@ -124,9 +130,7 @@ cv::Mat paint(Material material, cv::Size size, double px_per_m, cv::RNG& rng) {
   } else {
     paint_thing(material, canvas);
   }
-  cv::Mat both;
-  cv::merge(std::vector<cv::Mat>{canvas.tone, canvas.accent}, both);
-  return both;
+  return both(canvas.tone, canvas.accent);
 }
 
 Palette random_palette(Material material, cv::RNG& rng) {

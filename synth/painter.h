@@ -52,6 +52,8 @@ struct Canvas {
   int px(double metres) const { return std::max(1, static_cast<int>(std::floor(metres * px_per_m + 0.5))); }
   cv::Size size() const { return tone.size(); }
 };
+// Returns a painted picture of these channels (CV_8UC1 each).
+cv::Mat both(const cv::Mat& tone, const cv::Mat& accent);
 void paint_wall(Material material, Canvas& canvas);
 void paint_floor(Material material, Canvas& canvas);
 void paint_thing(Material material, Canvas& canvas);

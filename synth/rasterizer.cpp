@@ -71,15 +71,6 @@ Rasterizer::Rasterizer(Mesh mesh, const Camera& pinhole)
 
 Rasterizer::~Rasterizer() = default;  // the context destroys all objects of OpenGL
 
-bool Rasterizer::in_sight(const Part& part, const SE3& cam_from_room) const {
-  for (const Eigen::Vector3d& inward : frustum_) {
-    const Eigen::Vector3d n = cam_from_room.rotation.conjugate() * inward;
-    const Eigen::Vector3d farthest = (n.array() > 0).select(part.high, part.low);
-    if (n.dot(farthest) + inward.dot(cam_from_room.translation) < 0) return false;
-  }
-  return true;
-}
-
 void Rasterizer::draw(const SE3& cam_from_room, double blankness, cv::Mat* rgba) {
   context_.make_current();
   glClearColor(0.1f, 0.1f, 0.1f, 1);
@@ -98,7 +89,7 @@ void Rasterizer::draw(const SE3& cam_from_room, double blankness, cv::Mat* rgba)
   std::vector<GLsizei> counts;
   std::vector<const void*> offsets;
   for (const Part& part : parts_) {
-    if (part.indices == 0 || !in_sight(part, cam_from_room)) continue;
+    if (part.indices == 0 || !is_in_frustum(frustum_, part.low, part.high, cam_from_room)) continue;
     counts.push_back(static_cast<GLsizei>(part.indices));
     offsets.push_back(reinterpret_cast<const void*>(static_cast<size_t>(part.first_index) * sizeof(uint32_t)));
   }

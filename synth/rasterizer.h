@@ -23,7 +23,6 @@ class Rasterizer {
   void draw(const SE3& cam_from_room, double blankness, cv::Mat* rgba);
 
  private:
-  bool in_sight(const Part& part, const SE3& cam_from_room) const;
   viewer_offscreen::OffscreenContext context_;
   Camera camera_;
   std::vector<Part> parts_;

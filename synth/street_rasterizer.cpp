@@ -167,12 +167,7 @@ unsigned StreetRasterizer::make_buffers(const Triangles* triangles, unsigned* ve
 bool StreetRasterizer::in_sight(const StreetPart& part, const SE3& cam_from_street, const Vector3d& camera) const {
   const Vector3d nearest = camera.cwiseMax(part.low).cwiseMin(part.high);
   if ((nearest - camera).norm() > sight_m(part.drawn_as)) return false;
-  for (const Vector3d& inward : frustum_) {
-    const Vector3d n = cam_from_street.rotation.conjugate() * inward;
-    const Vector3d farthest = (n.array() > 0).select(part.high, part.low);
-    if (n.dot(farthest) + inward.dot(cam_from_street.translation) < 0) return false;
-  }
-  return true;
+  return is_in_frustum(frustum_, part.low, part.high, cam_from_street);
 }
 
 // Draws the nearest parts first, because what they hide then costs nothing.

@@ -7,7 +7,6 @@
 #include <csetjmp>
 #include <cstddef>
 #include <cstring>
-#include <memory>
 #include <vector>
 
 namespace rumi {

@@ -74,20 +74,24 @@ bool same_corners(const Features& a, const Features& b) {
                     [](const Keypoint& x, const Keypoint& y) { return x.octave == y.octave; });
 }
 
+std::vector<SharedKeyframe> shared_keyframes(const Submap& a, const Submap& b) {
+  std::vector<SharedKeyframe> shared;
+  const std::map<int64_t, int> of_b = keyframes_by_time(b);
+  for (const auto& [utime_us, id] : keyframes_by_time(a))
+    if (const auto other = of_b.find(utime_us); other != of_b.end()) shared.push_back({utime_us, id, other->second});
+  return shared;
+}
+
 Correspondences find_correspondences(const Submap& a, const Submap& b, double max_distance_px) {
   Correspondences common;
   if (a.stream != b.stream) return common;
   for (const auto& [utime_us, frame] : a.frames)
     if (b.frames.contains(utime_us)) common.frames.push_back(utime_us);
   if (common.frames.empty()) return common;
-  const std::map<int64_t, int> of_b = keyframes_by_time(b);
-  for (const auto& [utime_us, id] : keyframes_by_time(a)) {
-    const auto other = of_b.find(utime_us);
-    if (other == of_b.end()) continue;
-    common.keyframes.push_back({utime_us, id, other->second});
-    match_keyframes(*a.keyframe(id), *b.keyframe(other->second), a.camera, static_cast<float>(max_distance_px),
-                    static_cast<int>(common.keyframes.size()) - 1, &common.landmarks);
-  }
+  common.keyframes = shared_keyframes(a, b);
+  for (size_t i = 0; i < common.keyframes.size(); ++i)
+    match_keyframes(*a.keyframe(common.keyframes[i].a), *b.keyframe(common.keyframes[i].b), a.camera,
+                    static_cast<float>(max_distance_px), static_cast<int>(i), &common.landmarks);
   return common;
 }
 

@@ -34,6 +34,9 @@ struct Correspondences {
 // because front_tracker may have refined some of them since.
 bool same_corners(const Features& a, const Features& b);
 
+// Returns the keyframes of the same times, ascending. The two submaps must be of one stream.
+std::vector<SharedKeyframe> shared_keyframes(const Submap& a, const Submap& b);
+
 // Undistorted keypoints within `max_distance_px` count as the same keypoint if the two keyframes of an image do not
 // have the same corners.
 constexpr double kSameKeypointPx = 1.0;

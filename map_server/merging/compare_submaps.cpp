@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <vector>
 
@@ -40,22 +39,17 @@ int64_t last_change(const Submap& submap, const Keyframe& keyframe) {
 }  // namespace
 
 SharedState shared_state(const Submap& a, const Submap& b) {
-  std::map<int64_t, const Keyframe*> of_a;
-  for (const auto& [id, keyframe] : a.keyframes) of_a.emplace(keyframe.utime_us, &keyframe);
   SharedState state;
-  for (const auto& [id, keyframe] : b.keyframes) {
-    const auto same = of_a.find(keyframe.utime_us);
-    if (same == of_a.end()) continue;
+  for (const SharedKeyframe& shared : shared_keyframes(a, b)) {
     ++state.keyframes;
-    state.revision_a = std::max(state.revision_a, last_change(a, *same->second));
-    state.revision_b = std::max(state.revision_b, last_change(b, keyframe));
+    state.revision_a = std::max(state.revision_a, last_change(a, *a.keyframe(shared.a)));
+    state.revision_b = std::max(state.revision_b, last_change(b, *b.keyframe(shared.b)));
   }
   return state;
 }
 
 ComparedPair compare_submaps(const Submap& a, const Submap& b, const PairOptions& options) {
-  ComparedPair pair{
-      .revision_a = a.revision, .revision_b = b.revision, .shared = shared_state(a, b), .edge = std::nullopt};
+  ComparedPair pair{.revision_a = a.revision, .revision_b = b.revision, .edge = std::nullopt};
   const Correspondences common = find_correspondences(a, b);
   if (common.keyframes.empty()) return pair;
   const Alignment alignment = align_submaps(a, b, common, options.alignment);

@@ -15,6 +15,7 @@ struct PairOptions {
   double joint_sigma_log_scale = 0.02;    // standard deviation of the log scale between them, at least
 };
 
+// The caller notes it with the pair that it compares.
 SharedState shared_state(const Submap& a, const Submap& b);
 ComparedPair compare_submaps(const Submap& a, const Submap& b, const PairOptions& options);
 

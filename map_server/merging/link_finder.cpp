@@ -45,12 +45,14 @@ void LinkFinder::compare(const BuildInput& input, LinkGraph* graph) const {
       ComparedPair& pair = graph->compared[{a->first, b->first}];
       if (pair.revision_a == a->second->revision && pair.revision_b == b->second->revision) continue;
       // A submap that grows elsewhere need not be compared again where the two were found to fit together.
-      if (pair.edge && pair.edge->link.accepted() && pair.shared == shared_state(*a->second, *b->second)) {
+      const SharedState shared = shared_state(*a->second, *b->second);
+      if (pair.edge && pair.edge->link.accepted() && pair.shared == shared) {
         pair.revision_a = a->second->revision;
         pair.revision_b = b->second->revision;
         continue;
       }
       pair = compare_submaps(*a->second, *b->second, options_.pairs);
+      pair.shared = shared;
     }
 }
 
