@@ -8,7 +8,7 @@
 #include <opencv2/core/utility.hpp>
 #include <utility>
 
-#include "base/running/due.h"
+#include "base/memory/file_memory.h"
 #include "base/running/log.h"
 #include "base/running/stage_clock.h"
 #include "base/this_process/cpu_clock.h"
@@ -25,7 +25,8 @@ namespace {
 // The images that may wait: two seconds at 30 Hz. Beginning a submap takes up to a second, because its buffered frames
 // get their poses then. Tracking needs a third of the camera's period per image and catches up afterwards.
 constexpr QueueOptions kImageQueue{60, DropPolicy::kDropOldest};
-constexpr int64_t kSilenceUs = 10'000'000;  // time without any image after which the user is told
+constexpr int64_t kLetGoPeriod_us = 10'000'000;  // of giving back the RAM of keyframes that are not in use
+constexpr int64_t kSilenceUs = 10'000'000;       // time without any image after which the user is told
 
 using Kind = RefusedImages::Kind;
 
@@ -206,6 +207,10 @@ void FrontTrackerNode::tick(int64_t now_us) {
   note_broken_mapping();
   publisher_.tick(now_us);
   if (back_submaps_) back_submaps_->tick(now_us);
+  if (is_due(now_us, let_go_us_, kLetGoPeriod_us)) {
+    let_go_us_ = now_us;
+    FileMemory::of_process().let_go();
+  }
   std::erase_if(retired_, [&](const std::unique_ptr<Tracker>& tracker) {
     if (publisher_.complete(*tracker)) return true;
     publisher_.publish(*tracker, now_us, true);

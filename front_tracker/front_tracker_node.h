@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/running/due.h"
 #include "base/running/failures.h"
 #include "bus/process/newest_sender.h"
 #include "bus/process/process.h"
@@ -71,6 +72,7 @@ class FrontTrackerNode : public Node {
   NewestSender map_states_{"RUMI_MAP_STATUS", kLateUs};
   FrontTrackerOptions options_;
   SessionGate gate_;
+  int64_t let_go_us_ = kNever_us;  // when the keyframes' memory was let go last
   int64_t session_ = 0;
   int64_t session_stream_ = 0;  // stream of the session's images
   std::unique_ptr<Tracker> tracker_;

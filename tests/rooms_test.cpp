@@ -56,6 +56,7 @@ const std::map<std::string, std::map<std::string, Names>> kRooms = {
      {{"text", {}},
       {"this_process", {"text"}},
       {"running", {"text", "this_process"}},
+      {"memory", {"running", "files"}},
       {"files", {"", "text", "this_process", "running"}},
       {"child", {"", "text", "this_process", "running", "files"}},
       {"command_line", {"text", "this_process", "running", "files"}}}},

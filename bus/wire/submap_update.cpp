@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/memory/file_memory.h"
 #include "bus/wire/calibration.h"
 #include "bus/wire/pose.h"
 #include "bus/wire/submap_update_check.h"
@@ -39,7 +40,7 @@ keyframe_features_t features_to_wire(const Keyframe& keyframe) {
 }
 
 std::shared_ptr<const Features> features_from_wire(const keyframe_features_t& wire, const Camera& camera) {
-  auto features = std::make_shared<Features>();
+  auto features = std::make_shared<Features>(&FileMemory::of_process());
   features->keypoints.resize(wire.n);
   features->descriptors.resize(wire.n);
   for (int i = 0; i < wire.n; ++i) features->keypoints[i] = {{wire.x[i], wire.y[i]}, wire.angle[i], wire.octave[i]};

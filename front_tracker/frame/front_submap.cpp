@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/memory/file_memory.h"
 #include "front_tracker/frame/certainty.h"
 #include "slam/map/landmark_view.h"
 
@@ -88,6 +89,8 @@ void FrontSubmap::keep_images(size_t n) {
     const int id = images.begin()->first;
     images.erase(images.begin());
     if (moved_.erase(id) > 0) map.renew_features(id);
+    Keyframe& keyframe = *map.keyframe(id);
+    keyframe.features = std::make_shared<const Features>(*keyframe.features, &FileMemory::of_process());
   }
 }
 

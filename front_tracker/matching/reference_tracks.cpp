@@ -20,7 +20,9 @@ Eigen::Vector2f turn(const Camera& camera, const Eigen::Matrix3d& rotation, cons
 }  // namespace
 
 ReferenceTracks::ReferenceTracks(std::shared_ptr<const Features> reference)
-    : reference_(std::move(reference)), expected_(reference_->undistorted), unseen_(reference_->size(), 0) {}
+    : reference_(std::move(reference)),
+      expected_(reference_->undistorted.begin(), reference_->undistorted.end()),
+      unseen_(reference_->size(), 0) {}
 
 // Returns the keypoint near the expected place that looks most like that of the reference. Returns no match (index
 // kNone) if none looks like it, or two do.

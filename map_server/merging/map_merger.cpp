@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "base/memory/file_memory.h"
 #include "base/running/log.h"
 #include "base/running/stage_clock.h"
 #include "base/text/time_units.h"
@@ -120,6 +121,7 @@ void MapMerger::give_up(const std::string& reason) {
 void MapMerger::free(std::vector<Placement> placements) {
   worker_.post([placements = std::make_shared<std::vector<Placement>>(std::move(placements))]() mutable {
     placements.reset();
+    FileMemory::of_process().let_go();
     malloc_trim(0);  // an adjustment leaves many small free blocks, together as large as all other memory
   });
 }

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <optional>
 
+#include "base/memory/file_memory.h"
 #include "map_server/model/covisible_pieces.h"
 #include "slam/optimization/bundle_adjustment.h"
 
@@ -41,17 +42,14 @@ class Bundle {
     MapBundleReport report;
     BundleSolver own;
     BundleSolver& solver = options.solver ? *options.solver : own;
+    FileMemory::of_process().let_go();  // the problem has all that is needed of it
     for (size_t round = 0; round < options.gates_chi2.size(); ++round) {
       const bool is_last = round + 1 == options.gates_chi2.size();
-      BundleProblem inliers = problem_;
-      inliers.observations = within(options.gates_chi2[round]);
       solver.solve(camera_,
                    {.iterations = options.iterations,
                     .function_tolerance = is_last ? options.function_tolerance : options.passing_tolerance,
                     .cancel = options.cancel},
-                   &inliers);
-      problem_.views = std::move(inliers.views);
-      problem_.points = std::move(inliers.points);
+                   &problem_, within(options.gates_chi2[round]));
     }
     report.views = static_cast<int>(free_views_);
     report.points = static_cast<int>(problem_.points.size());
@@ -86,9 +84,9 @@ class Bundle {
     }
   }
 
-  // Returns the observations with errors below the gate, of views that keep enough of them and points that keep two or
-  // more.
-  std::vector<BundleProblem::Observation> within(double gate_chi2) {
+  // Returns for each observation whether its error is below the gate, its view keeps enough of them, and its point two
+  // or more.
+  std::vector<char> within(double gate_chi2) {
     std::vector<char> good(problem_.observations.size());
     std::vector<int> of_view(problem_.views.size(), 0), of_point(problem_.points.size(), 0);
     for (size_t i = 0; i < good.size(); ++i) {
@@ -102,11 +100,8 @@ class Bundle {
       good[i] = good[i] && is_placed_[problem_.observations[i].view];
       of_point[problem_.observations[i].point] += good[i];
     }
-    std::vector<BundleProblem::Observation> chosen;
-    chosen.reserve(static_cast<size_t>(std::count(good.begin(), good.end(), 1)));
-    for (size_t i = 0; i < good.size(); ++i)
-      if (good[i] && of_point[problem_.observations[i].point] >= 2) chosen.push_back(problem_.observations[i]);
-    return chosen;
+    for (size_t i = 0; i < good.size(); ++i) good[i] = good[i] && of_point[problem_.observations[i].point] >= 2;
+    return good;
   }
 
   // Returns the pose of a view that moves along with the placed view nearest in time, of its own stream if there is

@@ -16,8 +16,8 @@ namespace rumi::map_server {
 
 static_assert(std::endian::native == std::endian::little, "map.db is written as the numbers lie in memory");
 
-template <class T>
-std::span<const uint8_t> as_blob(const std::vector<T>& values) {
+template <class T, class Allocator>
+std::span<const uint8_t> as_blob(const std::vector<T, Allocator>& values) {
   return {reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(T)};
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "base/memory/file_memory.h"
 #include "map_server/store/blob.h"
 #include "map_server/store/cameras_table.h"
 #include "map_server/store/checked_values.h"
@@ -49,10 +50,12 @@ Pyramid checked_pyramid(int64_t levels, double scale_factor) {
 std::shared_ptr<const Features> features_from_row(const Statement& row, int first_column, const Submap& submap) {
   const auto keypoints = vector_from_blob<float>(row.blob(first_column));
   const auto octaves = vector_from_blob<uint8_t>(row.blob(first_column + 1));
-  auto features = std::make_shared<Features>();
-  features->descriptors = vector_from_blob<Descriptor>(row.blob(first_column + 2));
-  if (keypoints.size() != octaves.size() * 3 || features->descriptors.size() != octaves.size())
+  const auto descriptors = vector_from_blob<Descriptor>(row.blob(first_column + 2));
+  if (keypoints.size() != octaves.size() * 3 || descriptors.size() != octaves.size())
     throw std::runtime_error("keypoints, octaves and descriptors do not have the same length");
+  auto features = std::make_shared<Features>(&FileMemory::of_process());
+  features->descriptors.assign(descriptors.begin(), descriptors.end());
+  features->keypoints.reserve(octaves.size());
   for (size_t i = 0; i < octaves.size(); ++i)
     features->keypoints.push_back(checked_keypoint(&keypoints[3 * i], octaves[i], submap));
   features->undistort(submap.camera);

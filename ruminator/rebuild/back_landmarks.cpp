@@ -128,7 +128,7 @@ void fill_back_submap(const Camera& camera, const std::vector<SeenImage>& images
     keyframe.cam_from_submap = SE3(pose.rotation, pose.translation / unit);
     auto features = std::make_shared<Features>(extractor.extract(extractor.pyramid(seen.grey, seen.mask)));
     features->undistort(camera);
-    keypoints.push_back({"", features->undistorted});
+    keypoints.push_back({"", {features->undistorted.begin(), features->undistorted.end()}});
     keyframe.features = std::move(features);
     posed.cam_from_world[keyframe.id] = keyframe.cam_from_submap;
     submap->set_frame({keyframe.utime_us, keyframe.id, SE3()});

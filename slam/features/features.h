@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory_resource>
 #include <vector>
 
 #include "slam/features/descriptor.h"
@@ -22,13 +23,19 @@ struct Keypoint {
 // The keypoints of a frame. The first three vectors have the same length. Once made, only the pixel of a keypoint may
 // change, and only while its maker aligns it (front_tracker/patches/align_keypoints.h).
 struct Features {
-  std::vector<Keypoint> keypoints;
-  std::vector<Descriptor> descriptors;
+  Features() = default;
+  // The vectors take their memory from there; those of a later copy do not.
+  explicit Features(std::pmr::memory_resource* memory)
+      : keypoints(memory), descriptors(memory), undistorted(memory), whitenings(memory) {}
+  Features(const Features& other, std::pmr::memory_resource* memory) : Features(memory) { *this = other; }
+
+  std::pmr::vector<Keypoint> keypoints;
+  std::pmr::vector<Descriptor> descriptors;
   // The keypoints' pixels without lens distortion (Camera::undistort); derived from `keypoints`, never transmitted.
-  std::vector<Eigen::Vector2f> undistorted;
+  std::pmr::vector<Eigen::Vector2f> undistorted;
   // How precisely a pixel is known in each direction (slam/features/keypoint_whitening.h). Filled where the image is at
   // hand (by OrbExtractor and add_keypoint()), otherwise empty.
-  std::vector<Eigen::Matrix2f> whitenings;
+  std::pmr::vector<Eigen::Matrix2f> whitenings;
 
   size_t size() const { return keypoints.size(); }
   // Returns the identity if `whitenings` is empty.

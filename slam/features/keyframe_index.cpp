@@ -26,7 +26,7 @@ uint16_t KeyframeIndex::hash(const Descriptor& d, int table) const {
   return static_cast<uint16_t>(h);
 }
 
-void KeyframeIndex::add(int64_t keyframe, const std::vector<Descriptor>& descriptors) {
+void KeyframeIndex::add(int64_t keyframe, std::span<const Descriptor> descriptors) {
   remove(keyframe);
   uint32_t number = static_cast<uint32_t>(entries_.size());
   if (free_entries_.empty()) {
@@ -98,7 +98,7 @@ void KeyframeIndex::remove(int64_t keyframe) {
   number_of_.erase(it);
 }
 
-std::vector<KeyframeIndex::Candidate> KeyframeIndex::query(const std::vector<Descriptor>& descriptors,
+std::vector<KeyframeIndex::Candidate> KeyframeIndex::query(std::span<const Descriptor> descriptors,
                                                            size_t count) const {
   std::vector<double> votes(entries_.size(), 0);
   const double all = static_cast<double>(size()) + 1;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "slam/features/descriptor.h"
@@ -17,7 +18,7 @@ class KeyframeIndex {
  public:
   KeyframeIndex();
   // `keyframe` is any number that the caller chooses. An earlier entry with this number is replaced.
-  void add(int64_t keyframe, const std::vector<Descriptor>& descriptors);
+  void add(int64_t keyframe, std::span<const Descriptor> descriptors);
   void remove(int64_t keyframe);
   // Removes all keyframes for which gone(keyframe) is true.
   template <class Gone>
@@ -35,7 +36,7 @@ class KeyframeIndex {
   };
   // Returns the best candidates first, at most `count`. Equal scores are in order of `keyframe`, so it is
   // deterministic.
-  std::vector<Candidate> query(const std::vector<Descriptor>& descriptors, size_t count) const;
+  std::vector<Candidate> query(std::span<const Descriptor> descriptors, size_t count) const;
 
  private:
   static constexpr int kTables = 6;

@@ -3,7 +3,7 @@
 
 namespace rumi {
 
-KeypointGrid::KeypointGrid(const std::vector<Eigen::Vector2f>& points, const Camera& camera)
+KeypointGrid::KeypointGrid(std::span<const Eigen::Vector2f> points, const Camera& camera)
     : columns_(static_cast<int>(static_cast<float>(camera.width) / kCell) + 1),
       rows_(static_cast<int>(static_cast<float>(camera.height) / kCell) + 1) {
   const size_t cells = static_cast<size_t>(columns_) * rows_;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "slam/geometry/camera.h"
@@ -15,7 +16,7 @@ class KeypointGrid {
   KeypointGrid() = default;
   // `points`: pixels of the camera. If undistorted, they may lie a little outside the image: the border cells take
   // them.
-  KeypointGrid(const std::vector<Eigen::Vector2f>& points, const Camera& camera);
+  KeypointGrid(std::span<const Eigen::Vector2f> points, const Camera& camera);
 
   // Calls visit(index) for every point whose cell touches the square of side 2 * radius_px around center; the caller
   // checks the distance itself.

@@ -53,7 +53,8 @@ struct Huber {
 
 class NormalEquations {
  public:
-  NormalEquations(const Camera& camera, const BundleOptions& options, const BundleProblem& problem);
+  NormalEquations(const Camera& camera, const BundleOptions& options, const BundleProblem& problem,
+                  const std::vector<char>& used);
   bool has_free_views() const { return !free_.empty(); }
   // Returns half the sum of the robust squared errors; infinite if a point is behind a camera that observes it.
   double cost(const State& state) const;
@@ -98,12 +99,17 @@ class NormalEquations {
   Eigen::VectorXd right_, twists_;     // right side and solution of system_
 };
 
-NormalEquations::NormalEquations(const Camera& camera, const BundleOptions& options, const BundleProblem& problem)
+NormalEquations::NormalEquations(const Camera& camera, const BundleOptions& options, const BundleProblem& problem,
+                                 const std::vector<char>& used)
     : huber_{options.huber_chi2}, points_(problem.points.size()), unknown_of_(problem.views.size(), -1) {
-  for (const BundleProblem::Observation& o : problem.observations) {
-    ++points_[o.point].end;
-    if (problem.views[o.view].fixed || unknown_of_[o.view] >= 0) continue;
-    unknown_of_[o.view] = 0;
+  const auto counts = [&used](size_t i) { return used.empty() || used[i]; };
+  const std::vector<BundleProblem::Observation>& all = problem.observations;
+  int count = 0;
+  for (size_t i = 0; i < all.size(); ++i) {
+    if (!counts(i)) continue;
+    ++count;
+    ++points_[all[i].point].end;
+    if (!problem.views[all[i].view].fixed) unknown_of_[all[i].view] = 0;
   }
   for (size_t v = 0; v < unknown_of_.size(); ++v) {
     if (unknown_of_[v] < 0) continue;
@@ -115,10 +121,11 @@ NormalEquations::NormalEquations(const Camera& camera, const BundleOptions& opti
     p.begin = begin;
     begin += std::exchange(p.end, begin);
   }
-  observations_.resize(problem.observations.size());
-  mixed_.resize(problem.observations.size());
-  for (const BundleProblem::Observation& o : problem.observations)
-    observations_[points_[o.point].end++] = {o.view, o.point, {camera, o.pixel, o.sigma_px, o.whitening}};
+  observations_.resize(count);
+  mixed_.resize(count);
+  for (size_t i = 0; i < all.size(); ++i)
+    if (const BundleProblem::Observation& o = all[i]; counts(i))
+      observations_[points_[o.point].end++] = {o.view, o.point, {camera, o.pixel, o.sigma_px, o.whitening}};
   const auto earlier = [this](const Observation& a, const Observation& b) {
     return unknown_of_[a.view] < unknown_of_[b.view];
   };
@@ -302,10 +309,11 @@ State state_of(const BundleProblem& problem) {
 
 }  // namespace
 
-BundleReport BundleSolver::solve(const Camera& camera, const BundleOptions& options, BundleProblem* problem) {
+BundleReport BundleSolver::solve(const Camera& camera, const BundleOptions& options, BundleProblem* problem,
+                                 const std::vector<char>& used) {
   constexpr double kMinGain = 1e-3;  // a step that gains a smaller part of the predicted decrease is undone
   BundleReport report;
-  NormalEquations bundle(camera, options, *problem);
+  NormalEquations bundle(camera, options, *problem, used);
   State state = state_of(*problem);
   double cost = bundle.cost(state);
   if (!bundle.has_free_views() || !std::isfinite(cost)) return report;

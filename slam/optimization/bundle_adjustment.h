@@ -53,8 +53,10 @@ class BundleSolver {
  public:
   BundleSolver();
   ~BundleSolver();
-  // At least one view should be fixed. Two fixed views also keep the scale.
-  BundleReport solve(const Camera& camera, const BundleOptions& options, BundleProblem* problem);
+  // At least one view should be fixed. Two fixed views also keep the scale. `used`: for each observation, whether it
+  // counts; empty: all do.
+  BundleReport solve(const Camera& camera, const BundleOptions& options, BundleProblem* problem,
+                     const std::vector<char>& used = {});
 
  private:
   std::unique_ptr<ReducedSolver> solver_;

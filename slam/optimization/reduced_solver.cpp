@@ -14,21 +14,6 @@ constexpr int kWorn = 20;                // iterations of one solution; if they 
 constexpr int kMost = 100;               // iterations of one solution, at most
 constexpr double kTolerance = 1e-6;      // residual / right side at which the iterations end, in the preconditioner's
                                          // norm
-// Added to the unit diagonal before factoring, because rounding could make the matrix indefinite.
-constexpr float kRounding = 1e-5F;
-
-// Calls put(row, column, value) for the lower half of the matrix, scaled to a unit diagonal.
-template <typename Put>
-void for_each_scaled(const BlockMatrix& matrix, const Eigen::VectorXf& scale, Put put) {
-  for (int r = 0; r < matrix.size(); ++r)
-    for (const BlockMatrix::Entry& entry : matrix.row(r))
-      for (int i = 0; i < 6; ++i)
-        for (int k = 0; k < 6; ++k) {
-          const int row = 6 * r + i, column = 6 * entry.column + k;
-          const float value = static_cast<float>(entry.block(i, k)) * scale[row] * scale[column];
-          if (row >= column) put(row, column, row == column ? value + kRounding : value);
-        }
-}
 
 bool solve_directly(const BlockMatrix& matrix, const Eigen::VectorXd& right, Eigen::VectorXd* solution) {
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(right.size(), right.size());
@@ -48,19 +33,15 @@ bool ReducedSolver::factorize(const BlockMatrix& matrix) {
   scale_.resize(6 * size_);
   for (int r = 0; r < size_; ++r)
     scale_.segment<6>(6 * r) = matrix.diagonal(r).diagonal().cwiseSqrt().cwiseInverse().cast<float>();
-  if (is_dense_) {
-    dense_.setZero(6 * size_, 6 * size_);
-    for_each_scaled(matrix, scale_, [this](int row, int column, float value) { dense_(row, column) = value; });
-    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXf>> in_place(dense_);
-    return in_place.info() == Eigen::Success;
-  }
-  std::vector<Eigen::Triplet<float>> entries;
-  for_each_scaled(matrix, scale_,
-                  [&entries](int row, int column, float value) { entries.emplace_back(row, column, value); });
-  Eigen::SparseMatrix<float> lower(6 * size_, 6 * size_);
-  lower.setFromTriplets(entries.begin(), entries.end());
-  sparse_.compute(lower);
-  return sparse_.info() == Eigen::Success;
+  if (!is_dense_) return sparse_.compute(matrix, scale_);
+  dense_.setZero(6 * size_, 6 * size_);
+  for (int r = 0; r < size_; ++r)
+    for (const BlockMatrix::Entry& entry : matrix.row(r))
+      dense_.block<6, 6>(6 * r, 6 * entry.column) = scale_.segment<6>(6 * r).asDiagonal() * entry.block.cast<float>() *
+                                                    scale_.segment<6>(6 * entry.column).asDiagonal();
+  dense_.diagonal().array() += BlockFactor::kRounding;
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXf>> in_place(dense_);
+  return in_place.info() == Eigen::Success;
 }
 
 Eigen::VectorXd ReducedSolver::precondition(const Eigen::VectorXd& residual) const {
@@ -69,7 +50,7 @@ Eigen::VectorXd ReducedSolver::precondition(const Eigen::VectorXd& residual) con
     dense_.triangularView<Eigen::Lower>().solveInPlace(x);
     dense_.triangularView<Eigen::Lower>().transpose().solveInPlace(x);
   } else {
-    x = sparse_.solve(x).eval();
+    sparse_.solve_in_place(&x);
   }
   return x.cwiseProduct(scale_).cast<double>();
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/Core>
 
+#include "slam/optimization/block_factor.h"
 #include "slam/optimization/block_matrix.h"
 
 namespace rumi {
@@ -29,7 +30,7 @@ class ReducedSolver {
   bool is_dense_ = true;   // true: the factor is dense_; false: it is sparse_
   Eigen::VectorXf scale_;  // 1 / sqrt(diagonal of the factored matrix)
   Eigen::MatrixXf dense_;  // the factor is its lower half
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<float>> sparse_;
+  BlockFactor sparse_;
 };
 
 }  // namespace rumi

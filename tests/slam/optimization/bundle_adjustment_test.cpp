@@ -134,6 +134,23 @@ TEST(Bundle, OneSolverSolvesManyProblems) {
   }
 }
 
+TEST(Bundle, WhatIsNotUsedBendsNothing) {
+  const Scene s = make_scene(3, 0.5, 0.2);
+  BundleProblem all = s.start, chosen = s.start;
+  chosen.observations.clear();
+  std::vector<char> used;
+  for (const BundleProblem::Observation& o : all.observations) {
+    used.push_back(reprojection_chi2(test_camera(), s.truth, o) < 9);
+    if (used.back()) chosen.observations.push_back(o);
+  }
+  BundleSolver().solve(test_camera(), {30, 5.991}, &all, used);
+  solve_bundle(test_camera(), {30, 5.991}, &chosen);
+  EXPECT_EQ(all.observations.size(), s.start.observations.size());
+  for (size_t p = 0; p < all.points.size(); ++p) EXPECT_EQ(all.points[p], chosen.points[p]);
+  for (size_t v = 0; v < all.views.size(); ++v)
+    EXPECT_EQ(all.views[v].cam_from_submap.translation, chosen.views[v].cam_from_submap.translation);
+}
+
 // Compares two implementations on input that is hard for both: outliers, edges, points seen once, never, twice by the
 // same view or only by fixed views, and a view that sees nothing.
 TEST(Bundle, AgreesWithCeres) {
