@@ -9,7 +9,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <fstream>
 #include <optional>
 #include <utility>
 
@@ -22,6 +21,7 @@
 #include "base/this_process/cpu_clock.h"
 #include "base/this_process/exit_codes.h"
 #include "base/this_process/process_name.h"
+#include "base/this_process/resident_bytes.h"
 #include "base/this_process/standard_output.h"
 #include "bus/process/only_one.h"
 #include "bus/process/safe_node.h"
@@ -73,12 +73,6 @@ void catch_reload_signal() { catch_signal(SIGUSR2, on_reload_signal); }
 void catch_stop_signals() {
   catch_signal(SIGINT, on_stop_signal);
   catch_signal(SIGTERM, on_stop_signal);
-}
-
-int64_t resident_bytes() {
-  int64_t total_pages = 0, resident_pages = 0;
-  std::ifstream("/proc/self/statm") >> total_pages >> resident_pages;
-  return resident_pages * sysconf(_SC_PAGESIZE);
 }
 
 struct CommonFlags {

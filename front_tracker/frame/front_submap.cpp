@@ -11,10 +11,8 @@ namespace rumi::front_tracker {
 
 FrontSubmap::FrontSubmap(Submap known, SubmapKey key) : map(std::move(known)), octave_scales(map.pyramid.scales()) {
   map.begin_front_submap(key);
-  for (const auto& [id, kf] : map.keyframes) {
-    grids[id] = KeypointGrid(kf.features->undistorted, map.camera);
-    next_keyframe_ = id + 1;
-  }
+  wake();
+  for (const auto& [id, kf] : map.keyframes) next_keyframe_ = id + 1;
   for (const auto& [id, lm] : map.landmarks) next_landmark_ = id + 1;
 }
 
@@ -92,6 +90,11 @@ void FrontSubmap::keep_images(size_t n) {
     Keyframe& keyframe = *map.keyframe(id);
     keyframe.features = std::make_shared<const Features>(*keyframe.features, &FileMemory::of_process());
   }
+}
+
+void FrontSubmap::wake() {
+  for (const auto& [id, kf] : map.keyframes)
+    if (!grids.contains(id)) grids[id] = KeypointGrid(kf.features->undistorted, map.camera);
 }
 
 void FrontSubmap::close() {

@@ -49,6 +49,9 @@ struct FrontSubmap {
   void keypoints_moved(int keyframe_id);
   // Keeps the newest `n` images. The keypoints of older keyframes do not move any more.
   void keep_images(size_t n);
+  // Frees what only mapping needs, until wake(). No keyframe may wait for the mapper.
+  void rest() { grids.clear(); }
+  void wake();
   // Marks the submap as complete.
   void close();
 

@@ -336,6 +336,7 @@ void Tracker::leave_full_submap() {
   submaps_.push_back(go_on_from(active(), key, motion_.last().utime_us, static_cast<size_t>(around)));
   continued_from_[key.id] = active().map.key.id;
   const size_t full = std::exchange(active_, submaps_.size() - 1);
+  submaps_[full]->rest();
   for (const auto& [id, kf] : active().map.keyframes) {
     relocalizer_.forget_keyframe(full, id);
     relocalizer_.add_keyframe(active_, active().map, kf);
@@ -354,6 +355,7 @@ void Tracker::activate(size_t submap_index) {
   templates_.clear();
   active().keep_images(0);
   active_ = submap_index;
+  active().wake();
 }
 
 void Tracker::add_to_index_and_map(const Keyframe& keyframe) {

@@ -14,7 +14,7 @@
 
 namespace rumi::map_server {
 
-constexpr int kMinSharedKeyframes = 3;
+constexpr int kMinSharedKeyframes = 2;  // so that what one says can be tried on the other
 
 struct AlignmentOptions {
   int min_landmarks = 40;  // least number of inliers among the common landmarks; a keyframe needs a quarter to propose

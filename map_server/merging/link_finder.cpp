@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_server/merging/link_finder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
+#include <map>
 #include <utility>
 
+#include "base/running/due.h"
 #include "base/running/stage_clock.h"
 #include "map_server/links/may_share_images.h"
 #include "map_server/merging/map_members.h"
@@ -71,7 +74,18 @@ bool LinkFinder::is_joined(const LinkGraph& graph, const Place& a, const Place& 
 void LinkFinder::search_places(const BuildInput& input, LinkGraph* graph) {
   for (const SubmapKey& key : input.fixed) places_.add(*input.submaps.at(key), &graph->places);
   const auto joined = [&](const Place& a, const Place& b) { return input.is_cancelled() || is_joined(*graph, a, b); };
-  places_.search(input.submaps, joined, &graph->places);
+  std::map<int64_t, int64_t> newest_us;  // time of the newest image, by session
+  for (const auto& [key, submap] : input.submaps)
+    if (!submap->frames.empty()) {
+      int64_t& newest = newest_us.try_emplace(key.session, kNever_us).first->second;
+      newest = std::max(newest, submap->frames.rbegin()->first);
+    }
+  const auto settled_us = static_cast<int64_t>(options_.places.settled_s * 1e6);
+  const auto waits = [&](const Place& place) {
+    return input.scope != BuildScope::kAll && graph->built.submaps.contains(place.submap) &&
+           place.image.utime_us > newest_us.at(place.submap.session) - settled_us;
+  };
+  places_.search(input.submaps, joined, &graph->places, waits);
 }
 
 void LinkFinder::search_beside_members(const BuildInput& input, LinkGraph* graph) {

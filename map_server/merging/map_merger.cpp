@@ -38,6 +38,7 @@ BuildNeeds MapMerger::needs_of(const Atlas& atlas) const {
 
 std::optional<MergeResult> MapMerger::tick(int64_t now_us, const Atlas& atlas) {
   now_us_ = now_us;
+  if (is_building_ && schedule_.is_in_a_hurry()) enough_ = true;  // the next build is the last
   if (is_building_ && is_in_a_hurry_ && is_due(now_us, begun_us_, to_us(options_.final_s))) enough_ = true;
   if (is_building_) return worker_.pending() == 0 ? end(atlas) : std::nullopt;
   const BuildNeeds needs = needs_of(atlas);

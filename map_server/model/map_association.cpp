@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/memory/file_memory.h"
 #include "base/running/stage_clock.h"
 #include "map_server/model/point_cells.h"
 #include "slam/features/keypoint_grid.h"
@@ -14,6 +15,7 @@ namespace rumi::map_server {
 namespace {
 
 constexpr double kMinOctave = -1.5;  // a point that would appear at a lower octave is too far away to be detected
+constexpr int kVisitedAtOnce = 100;  // views whose features are in RAM at a time
 
 // The appearance of a point in the views that observe it.
 struct Look {
@@ -36,7 +38,9 @@ class Associator {
   }
 
   AssociationReport run(const std::vector<int>& views) {
+    int visited = 0;
     for (int v : views) {
+      if (visited++ % kVisitedAtOnce == 0) FileMemory::of_process().let_go();
       const MapModel::View& view = model_.views[v];
       const KeypointGrid grid(view.features->undistorted, view.camera);
       for (int p : cells_.may_be_seen(view)) visit(p, v, grid);

@@ -67,12 +67,16 @@ bool PlaceSearch::make_known(const Submap& submap, const Keyframe& keyframe, Pla
   return is_new;
 }
 
-void PlaceSearch::search(const Submaps& submaps, const Joined& joined, PlaceLinks* links) {
+void PlaceSearch::search(const Submaps& submaps, const Joined& joined, PlaceLinks* links,
+                         const std::function<bool(const Place&)>& waits) {
   forget_removed(submaps, links);
   std::vector<Place> fresh;
   for (const auto& [key, submap] : submaps)
-    for (const auto& [id, keyframe] : submap->keyframes)
-      if (make_known(*submap, keyframe, links)) fresh.push_back({key, id, submap->image(keyframe)});
+    for (const auto& [id, keyframe] : submap->keyframes) {
+      const Place place{key, id, submap->image(keyframe)};
+      if (waits && !links->known.contains({key, id}) && waits(place)) continue;
+      if (make_known(*submap, keyframe, links)) fresh.push_back(place);
+    }
   for (const Place& place : fresh) {
     std::vector<KeyframeRef>& same_image = links->searched_for[place.image];
     // If a joined keyframe of the same image was searched for already, its result is valid for this one too.

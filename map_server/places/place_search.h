@@ -17,10 +17,12 @@ namespace rumi::map_server {
 
 struct PlaceSearchOptions {
   PlaceAlignmentOptions alignment;
-  int candidates = 3;        // keyframes that are compared with each new one, at most
-  int min_alike = 8;         // least number of similar landmarks in the two images; below it they are not aligned
-  double min_apart_s = 5;    // least time between two keyframes of one submap that are compared
-  double separation_s = 1;   // least time between two candidates of one submap
+  int candidates = 3;       // keyframes that are compared with each new one, at most
+  int min_alike = 8;        // least number of similar landmarks in the two images; below it they are not aligned
+  double min_apart_s = 5;   // least time between two keyframes of one submap that are compared
+  double separation_s = 1;  // least time between two candidates of one submap
+  // A keyframe of a submap that is in the map is searched for once it is so old: then more is known of its landmarks.
+  double settled_s = 5;
   double once_within_s = 2;  // a place is not searched for again if a found link is this near at both ends, in time
   // A poster that hangs in two rooms can deceive one alignment. So an alignment counts only if another one, of other
   // keyframes, agrees with it within these bounds.
@@ -41,8 +43,10 @@ class PlaceSearch {
 
   explicit PlaceSearch(const PlaceSearchOptions& options) : o_(options) {}
 
-  // Searches for each keyframe that is not known yet. If joined keyframes show the same image, searches for only one.
-  void search(const Submaps& submaps, const Joined& joined, PlaceLinks* links);
+  // Searches for each keyframe that is not known yet, but those for which `waits` is true: they are left for a later
+  // search. If joined keyframes show the same image, searches for only one.
+  void search(const Submaps& submaps, const Joined& joined, PlaceLinks* links,
+              const std::function<bool(const Place&)>& waits = {});
 
   // Adds a submap whose keyframes may be found, but are not searched for.
   void add(const Submap& submap, PlaceLinks* links);

@@ -20,6 +20,7 @@
 #include "rumi/outputs/run_picture.h"
 #include "rumi/outputs/run_record.h"
 #include "rumi/outputs/run_summary.h"
+#include "rumi/run/load_over_time.h"
 #include "rumi/run/metered_bus.h"
 #include "rumi/run/why_no_map.h"
 #include "ruminator/queue/spool.h"
@@ -96,10 +97,10 @@ class WindowOutput {
   std::string error_;  // for the first window that could not be written; empty if all were written
 };
 
-// Returns the content of run.json. Only cpu_ms_per_frame, cpu_ms_per_frame_by_stage, cpu_s, wall_s and peak_rss_mb
-// differ between two runs of the same input.
+// Returns the content of run.json. Only cpu_ms_per_frame, cpu_ms_per_frame_by_stage, cpu_s, wall_s, peak_rss_mb and
+// load differ between two runs of the same input.
 ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutput& windows, bool stopped,
-                        double run_cpu_s, double wall_s) {
+                        double run_cpu_s, double wall_s, const LoadOverTime& load) {
   const int64_t frames = replay.progress().frames;
   ordered_json run{{"finished", true},
                    {"command", "replay"},
@@ -132,6 +133,7 @@ ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutpu
       if (frames > 0) run["cpu_ms_per_frame_by_stage"][name][stage] = cpu_s * 1e3 / static_cast<double>(frames);
   run["cpu_s"] = run_cpu_s;
   run["wall_s"] = wall_s;
+  run["load"] = load.to_json();
   if (what.is_only_one) run["peak_rss_mb"] = peak_rss_mb();
   return run;
 }
@@ -179,11 +181,12 @@ Result<> check_log(const ReplayRun& run) {
 }
 
 // Plays the input to its end, or until the run is stopped, and lets the components finish.
-void play(const ReplayRun& run, Replay* replay, ReplayOutcome* outcome) {
+void play(const ReplayRun& run, Replay* replay, ReplayOutcome* outcome, LoadOverTime* load) {
   const auto asked_to_stop = [&run] { return run.stop && *run.stop; };
   while (!asked_to_stop() && replay->step()) {
     const ReplayProgress progress = replay->progress();
     if (progress.frames == 1) outcome->begin_us = progress.utime_us;
+    if (progress.frames > 0) load->note(progress.utime_us, replay->cpu_s());
     if (run.on_progress) run.on_progress(progress);
   }
   if (const std::string unfinished = replay->finish(); !unfinished.empty())
@@ -266,12 +269,13 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   ReservedSpace reserved;
   outcome.written = prepare(run, &replay, &windows, &reserved);
   if (outcome.written) {
-    play(run, &replay, &outcome);
+    LoadOverTime load;
+    play(run, &replay, &outcome, &load);
     reserved.release();
     const std::vector<std::string> missing = write_everything(replay, windows, run);
     outcome.wall_s = seconds_since(begin);
     ordered_json record =
-        run_record(run, replay, windows, outcome.stopped, process_cpu_s() - begin_cpu_s, outcome.wall_s);
+        run_record(run, replay, windows, outcome.stopped, process_cpu_s() - begin_cpu_s, outcome.wall_s, load);
     const std::string all_missing = note_missing(missing, run.out, &record);
     outcome.written = write_run_json(run.out, record);
     if (outcome.written && !all_missing.empty()) outcome.written = Error{all_missing};

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <stdexcept>
 
 #include "base/files/file_access.h"
@@ -24,6 +25,7 @@
 #include "rumi/report/html_page.h"
 #include "rumi/report/mask_picture.h"
 #include "rumi/report/match_history.h"
+#include "rumi/run/load_over_time.h"
 #include "rumi/run/process_load.h"
 #include "ruminator/window/window_job.h"
 #include "viewer_offscreen/picture/draw_map.h"
@@ -264,10 +266,25 @@ void add_load(const ordered_json& run, HtmlPage* page) {
   page->table({"component", "CPU per frame, ms"}, rows);
 }
 
-void add_load_over_time(const std::string& log, HtmlPage* page) {
-  const ProcessLoad load = or_throw(read_process_load(log));
+// From the log of a live run, or what a replay noted.
+void add_load_over_time(const ordered_json& run, const std::string& log, HtmlPage* page) {
+  const ProcessLoad load =
+      log.empty() ? load_from_json(run.value("load", ordered_json())) : or_throw(read_process_load(log));
+  if (load.memory_mb.empty()) return;
   page->chart("CPU", "% of a core", load.cpu_percent);
   page->chart("Memory", "MB", load.memory_mb);
+}
+
+// How well each frame of the map is known where its submap sees it from.
+void add_deviations(const map_server::Atlas& atlas, int64_t first_us, HtmlPage* page) {
+  HtmlPage::Lines lines;
+  for (const auto& [image, record] : atlas.frames()) {
+    const std::optional<map_server::LocatedFrame> located = atlas.locate(image);
+    if (!located || !located->owner->in_map) continue;
+    const PoseSigmas sigmas = located->sigmas();
+    if (sigmas.are_known()) lines["position"].emplace_back(seconds_since(first_us, image.utime_us), sigmas.position);
+  }
+  if (!lines.empty()) page->chart("Standard deviation", "map units", lines);
 }
 
 AtlasCounts counts_of(const ordered_json& run) {
@@ -312,7 +329,7 @@ std::string report_without_map(const std::string& folder, const ordered_json& ru
   add_views(renderer.draw(scene), scene, &renderer, &page);
   if (!options.groundtruth.empty()) add_errors(folder, options.groundtruth, options.truth, &page);
   add_load(run, &page);
-  if (!options.log.empty()) add_load_over_time(options.log, &page);
+  add_load_over_time(run, options.log, &page);
   return page.finish();
 }
 
@@ -341,13 +358,14 @@ std::string make_report(const std::string& folder, const ReportOptions& options)
   const cv::Mat all = renderer.draw(scene);
   add_views(all, scene, &renderer, &page);
   add_timeline(all, scene, &page);
+  add_deviations(atlas, scene.first_us, &page);
   if (!options.groundtruth.empty()) add_errors(folder, options.groundtruth, options.truth, &page);
   add_windows(folder, atlas, scene.first_us, &page);
   add_masks(folder, atlas, &page);
   add_joins(atlas, &page);
   add_matches(run, atlas, &page);
   add_load(run, &page);
-  if (!options.log.empty()) add_load_over_time(options.log, &page);
+  add_load_over_time(run, options.log, &page);
   return page.finish();
 }
 

@@ -105,7 +105,7 @@ std::vector<KeyframeIndex::Candidate> KeyframeIndex::query(std::span<const Descr
   for (int t = 0; t < kTables; ++t)
     for (const Descriptor& d : descriptors) {
       const Chain& chain = chains_[chain_of(t, hash(d, t))];
-      if (chain.count == 0) continue;
+      if (chain.count == 0 || chain.count > kCommon) continue;
       // A word that most keyframes have says little about which one it is (inverse document frequency).
       const double weight = std::log(all / chain.count);
       uint32_t in_block = (chain.count - 1) % kPerBlock + 1, left = chain.count;

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <limits>
 #include <map>
 #include <span>
@@ -42,6 +43,9 @@ class KeyframeIndex {
   static constexpr int kTables = 6;
   static constexpr int kBits = 16;
   static constexpr uint32_t kPerBlock = 3;
+  // A word that more keyframes have tells little of each of them. It is passed over, so that the time of a query does
+  // not grow with the number of keyframes.
+  static constexpr uint32_t kCommon = 64;
   static constexpr uint32_t kNoBlock = std::numeric_limits<uint32_t>::max();
   struct Entry {
     int64_t keyframe = 0;
@@ -64,8 +68,8 @@ class KeyframeIndex {
 
   std::array<std::array<uint8_t, kBits>, kTables> bits_;  // descriptor bits that make up a word, by table
   std::vector<Chain> chains_;                             // indexed by chain_of()
-  std::vector<Block> blocks_;
-  uint32_t free_block_ = kNoBlock;  // first of the chain of free blocks
+  std::deque<Block> blocks_;                              // no vector: half of it would be empty after it has grown
+  uint32_t free_block_ = kNoBlock;                        // first of the chain of free blocks
   std::vector<Entry> entries_;
   std::vector<uint32_t> free_entries_;
   std::map<int64_t, uint32_t> number_of_;  // index into entries_, by keyframe

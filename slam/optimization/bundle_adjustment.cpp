@@ -82,19 +82,31 @@ class NormalEquations {
   };
 
   std::vector<std::vector<int>> pattern() const;
-  void add(const Observation& o, const State& state, Point* point, Matrix63d* mixed);
+  // The second derivatives of an observation: by its point, by its view, and mixed. Gradients too.
+  struct Derivatives {
+    Eigen::Vector3d in_camera;  // the point in the camera's frame
+    Eigen::Matrix3d hessian;    // by in_camera
+    Eigen::Vector3d gradient;   // by in_camera
+    Eigen::Matrix3d by_point;   // by in_camera and the point
+  };
+  Derivatives derive(const Observation& o, const State& state) const;
+  void add(const Observation& o, const State& state, Point* point);
+  // Returns the mixed second derivative by view and point. It is computed again each time: to keep those of all
+  // observations would take more memory than all else.
+  Matrix63d mixed(const Observation& o, const State& state) const;
   // Eliminates a point from the views' system (Schur complement): subtracts its part from system_ and right_. Keeps the
   // inverse of its damped hessian.
-  void eliminate(Point* point, double damping);
-  Eigen::Vector3d back_substitute(const Point& point) const;
+  void eliminate(const State& state, Point* point, double damping);
+  Eigen::Vector3d back_substitute(const State& state, const Point& point) const;
 
   Huber huber_;
   std::vector<Observation> observations_;  // sorted by point
   std::vector<Point> points_;
   std::vector<Unknown> free_;
-  std::vector<int> unknown_of_;   // by view: index in free_; -1 if it is fixed or sees no point
-  std::vector<Matrix63d> mixed_;  // by observation: mixed second derivative by view and point; not used for fixed views
-  std::vector<Matrix63d> weighted_;    // scratch of eliminate(), by observation of its point: mixed_ * Point::inverse
+  std::vector<int> unknown_of_;  // by view: index in free_; -1 if it is fixed or sees no point
+  // Scratch of eliminate(), by observation of its point: mixed(), and mixed() * Point::inverse. Not used for fixed
+  // views.
+  std::vector<Matrix63d> mixed_, weighted_;
   std::optional<BlockMatrix> system_;  // system of the views, without the points
   Eigen::VectorXd right_, twists_;     // right side and solution of system_
 };
@@ -122,7 +134,6 @@ NormalEquations::NormalEquations(const Camera& camera, const BundleOptions& opti
     begin += std::exchange(p.end, begin);
   }
   observations_.resize(count);
-  mixed_.resize(count);
   for (size_t i = 0; i < all.size(); ++i)
     if (const BundleProblem::Observation& o = all[i]; counts(i))
       observations_[points_[o.point].end++] = {o.view, o.point, {camera, o.pixel, o.sigma_px, o.whitening}};
@@ -182,33 +193,43 @@ void NormalEquations::linearize(const State& state) {
   for (Point& point : points_) {
     point.hessian.setZero();
     point.gradient.setZero();
-    for (int i = point.begin; i < point.end; ++i) add(observations_[i], state, &point, &mixed_[i]);
+    for (int i = point.begin; i < point.end; ++i) add(observations_[i], state, &point);
   }
 }
 
-void NormalEquations::add(const Observation& o, const State& state, Point* point, Matrix63d* mixed) {
+NormalEquations::Derivatives NormalEquations::derive(const Observation& o, const State& state) const {
   const View& view = state.views[o.view];
-  const Eigen::Vector3d p = view.rotation * state.points[o.point] + view.cam_from_submap.translation;
-  const Eigen::Vector2d error = o.projection.error(p);
-  Eigen::Matrix3d hessian;  // second derivative by the point's coordinates in the camera's frame
-  Eigen::Vector3d gradient;
-  o.projection.normal_equations(p, error, huber_.weight(error.squaredNorm()), &hessian, &gradient);
+  Derivatives d;
+  d.in_camera = view.rotation * state.points[o.point] + view.cam_from_submap.translation;
+  const Eigen::Vector2d error = o.projection.error(d.in_camera);
+  o.projection.normal_equations(d.in_camera, error, huber_.weight(error.squaredNorm()), &d.hessian, &d.gradient);
+  d.by_point = d.hessian * view.rotation;
+  return d;
+}
 
-  const Eigen::Matrix3d by_point = hessian * view.rotation;
-  point->hessian.noalias() += view.rotation.transpose() * by_point;
-  point->gradient.noalias() += view.rotation.transpose() * gradient;
+void NormalEquations::add(const Observation& o, const State& state, Point* point) {
+  const Derivatives d = derive(o, state);
+  const Eigen::Matrix3d& rotation = state.views[o.view].rotation;
+  point->hessian.noalias() += rotation.transpose() * d.by_point;
+  point->gradient.noalias() += rotation.transpose() * d.gradient;
   if (unknown_of_[o.view] < 0) return;
-  // A twist moves the view by exp(twist) on the left, and p by its translation + its rotation x p.
+  // A twist moves the view by exp(twist) on the left, and the point by its translation + its rotation x the point.
   Unknown& unknown = free_[unknown_of_[o.view]];
-  const Eigen::Matrix3d cross = skew(p);
-  const Eigen::Matrix3d turned = cross * hessian;
-  mixed->topRows<3>() = by_point;
-  mixed->bottomRows<3>().noalias() = cross * by_point;
-  unknown.hessian.topLeftCorner<3, 3>() += hessian;
+  const Eigen::Matrix3d cross = skew(d.in_camera);
+  const Eigen::Matrix3d turned = cross * d.hessian;
+  unknown.hessian.topLeftCorner<3, 3>() += d.hessian;
   unknown.hessian.bottomLeftCorner<3, 3>() += turned;
   unknown.hessian.bottomRightCorner<3, 3>().noalias() -= turned * cross;
-  unknown.gradient.head<3>() += gradient;
-  unknown.gradient.tail<3>() += p.cross(gradient);
+  unknown.gradient.head<3>() += d.gradient;
+  unknown.gradient.tail<3>() += d.in_camera.cross(d.gradient);
+}
+
+Matrix63d NormalEquations::mixed(const Observation& o, const State& state) const {
+  const Derivatives d = derive(o, state);
+  Matrix63d mixed;
+  mixed.topRows<3>() = d.by_point;
+  mixed.bottomRows<3>().noalias() = skew(d.in_camera) * d.by_point;
+  return mixed;
 }
 
 template <typename Matrix>
@@ -223,16 +244,18 @@ void subtract_product(const Matrix63d& a, const Matrix63d& b, Matrix6d* result) 
 
 bool is_before(const BlockMatrix::Entry& entry, int column) { return entry.column < column; }
 
-void NormalEquations::eliminate(Point* point, double damping) {
+void NormalEquations::eliminate(const State& state, Point* point, double damping) {
   Eigen::Matrix3d damped = point->hessian;
   damp(damping, &damped);
   point->inverse = damped.inverse();
-  weighted_.resize(point->end - point->begin);
+  mixed_.resize(point->end - point->begin);
+  weighted_.resize(mixed_.size());
   for (int i = point->begin; i < point->end; ++i) {
     const int row = unknown_of_[observations_[i].view];
     if (row < 0) continue;
+    mixed_[i - point->begin] = mixed(observations_[i], state);
     Matrix63d& weighted = weighted_[i - point->begin];
-    weighted.noalias() = mixed_[i] * point->inverse;
+    weighted.noalias() = mixed_[i - point->begin] * point->inverse;
     right_.segment<6>(6 * row).noalias() += weighted * point->gradient;
   }
   for (int i = point->begin; i < point->end; ++i) {
@@ -246,16 +269,16 @@ void NormalEquations::eliminate(Point* point, double damping) {
       if (column < 0) continue;
       if (column > row) break;
       entry = has_all ? entries.begin() + column : std::lower_bound(entry, entries.end(), column, is_before);
-      subtract_product(weighted_[i - point->begin], mixed_[k], &entry->block);
+      subtract_product(weighted_[i - point->begin], mixed_[k - point->begin], &entry->block);
     }
   }
 }
 
-Eigen::Vector3d NormalEquations::back_substitute(const Point& point) const {
+Eigen::Vector3d NormalEquations::back_substitute(const State& state, const Point& point) const {
   Eigen::Vector3d right = -point.gradient;
   for (int i = point.begin; i < point.end; ++i) {
     const int row = unknown_of_[observations_[i].view];
-    if (row >= 0) right.noalias() -= mixed_[i].transpose() * twists_.segment<6>(6 * row);
+    if (row >= 0) right.noalias() -= mixed(observations_[i], state).transpose() * twists_.segment<6>(6 * row);
   }
   return point.inverse * right;
 }
@@ -272,7 +295,7 @@ std::optional<State> NormalEquations::step(const State& from, double damping, Re
     right_.segment<6>(6 * i) = -free_[i].gradient;
   }
   for (Point& point : points_)
-    if (point.begin < point.end) eliminate(&point, damping);
+    if (point.begin < point.end) eliminate(from, &point, damping);
   if (!solver->solve(*system_, right_, &twists_)) return std::nullopt;
 
   // The prediction is half of step * (damping * diagonal * step - gradient).
@@ -292,7 +315,7 @@ std::optional<State> NormalEquations::step(const State& from, double damping, Re
   }
   for (size_t p = 0; p < points_.size(); ++p) {
     if (points_[p].begin == points_[p].end) continue;
-    const Eigen::Vector3d move = back_substitute(points_[p]);
+    const Eigen::Vector3d move = back_substitute(from, points_[p]);
     predict(move, points_[p].gradient, points_[p].hessian);
     to.points[p] += move;
   }

@@ -177,10 +177,21 @@ TEST(SubmapAlignment, SigmaIsNotFarFromTheError) {
 
 // --- Doubts
 
-TEST(SubmapAlignment, DoubtsWhatSharesTooFewKeyframes) {
-  EXPECT_EQ(align(typical(61, 2)).alignment.doubt, "2 shared keyframes of 3 wanted");
+TEST(SubmapAlignment, DoubtsWhatSharesOneKeyframe) {
+  EXPECT_EQ(align(typical(61, 1)).alignment.doubt, "1 shared keyframes of 2 wanted");
   Correspondences nothing;
-  EXPECT_EQ(align_submaps({}, {}, nothing, {}).doubt, "0 shared keyframes of 3 wanted");
+  EXPECT_EQ(align_submaps({}, {}, nothing, {}).doubt, "0 shared keyframes of 2 wanted");
+}
+
+TEST(SubmapAlignment, TwoKeyframesAreEnoughWhereOneHoldsInTheOther) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const Outcome o = align(typical(seed, 2));
+    EXPECT_EQ(o.alignment.doubt, "") << seed;
+    EXPECT_LT(std::abs(o.error.log_scale), 0.05) << seed;
+    auto [a, b] = make(typical(seed, 2));
+    b.submap.keyframes.begin()->second.cam_from_submap.translation.x() += 0.4;
+    EXPECT_NE(align(a, b).alignment.doubt, "") << seed;
+  }
 }
 
 TEST(SubmapAlignment, DoubtsWhatSharesTooFewLandmarks) {

@@ -82,6 +82,23 @@ TEST_F(LinkFinderTest, APairThatFitsIsComparedAgainOnlyWhereWhatItSharesHasChang
   EXPECT_LT(mark(), 99);
 }
 
+// What is new in the map is searched for once its landmarks are known well, what is not in the map at once.
+TEST_F(LinkFinderTest, NewKeyframesOfTheMapWaitUntilTheyAreSettled) {
+  const auto newest_us = [this](SubmapKey key) { return chain_->submap(key).frames.rbegin()->first; };
+  const SubmapKey key = Chain::kFront1;
+  LinkFinderOptions options;
+  options.places.settled_s = 1e-6 * static_cast<double>(newest_us(key) - chain_->submap(key).frames.begin()->first) / 2;
+  const auto known = [&](const LinkGraph& graph) { return graph.places.known.size(); };
+  const size_t all = chain_->submap(key).keyframes.size();
+  EXPECT_EQ(known(LinkFinder(options).find({}, input({key}))), all) << "it is not in the map";
+  LinkGraph in_map;
+  in_map.built.submaps = {key};
+  const size_t settled = known(LinkFinder(options).find(in_map, input({key})));
+  EXPECT_GT(settled, 0U);
+  EXPECT_LT(settled, all);
+  EXPECT_EQ(known(LinkFinder(options).find(in_map, input({key}, BuildScope::kAll))), all);
+}
+
 TEST_F(LinkFinderTest, WhatIsFixedIsNotCompared) {
   BuildInput three = input({Chain::kFront1, Chain::kBack1, Chain::kFront2});
   three.fixed = {Chain::kFront1, Chain::kBack1};

@@ -82,6 +82,18 @@ TEST_F(PlaceSearchTest, AnImageIsSearchedForOnceWhereItsSubmapsAreJoined) {
   EXPECT_GE(links_of(apart_places)[kBack], 2) << "what is not joined is to be found of its own";
 }
 
+TEST_F(PlaceSearchTest, WhatWaitsIsNeitherSearchedForNorFoundUntilLater) {
+  const Submaps both{{kFront, &front_}, {kLater, &later_}};
+  PlaceLinks places;
+  PlaceSearch search({});
+  search.search(both, apart, &places, [](const Place& place) { return place.submap == kLater; });
+  EXPECT_TRUE(places.found.empty());
+  EXPECT_EQ(places.known.size(), front_.keyframes.size());
+  search.search(both, apart, &places);
+  EXPECT_GE(links_of(places)[kFront], 2);
+  EXPECT_EQ(places.known.size(), front_.keyframes.size() + later_.keyframes.size());
+}
+
 TEST_F(PlaceSearchTest, WhatHangsOnNothingIsSearchedForAgainWhenMoreIsKnownOfIt) {
   Submap young = later_;
   std::vector<int> unknown_yet;

@@ -276,6 +276,15 @@ TEST_F(ReportTest, ShowsTheLoadOfALiveRun) {
   EXPECT_THAT([&] { make_report(folder_.string(), {.log = silent}); }, refusal("no process tells its status"));
 }
 
+TEST_F(ReportTest, ShowsTheLoadOfAReplay) {
+  write_run(
+      {{"finished", true}, {"load", {{"s", {0, 5}}, {"memory_mb", {100, 120}}, {"cpu_s", {{"map_server", {0, 1}}}}}}});
+  const std::string html = make_report(folder_.string());
+  EXPECT_EQ(count_of(html, "<svg"), 2u);
+  EXPECT_THAT(html, HasSubstr("map_server</text>"));
+  EXPECT_THAT(html, HasSubstr("replay</text>"));
+}
+
 TEST_F(ReportTest, GoesWithoutAMapThatDidNotFitOnTheDisk) {
   fs::remove(folder_ / "map.db");
   write_run({{"finished", true},

@@ -125,7 +125,8 @@ TEST(KeypointGrid, FindsAllThatLinearSearchFinds) {
   }
   KeypointGrid({}, test_camera()).for_each_near({5, 5}, 100, [](int) { FAIL(); });
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  const KeypointGrid far({{1e30F, -1e30F}, {-kInfinity, std::nanf("")}}, test_camera());
+  const std::vector<Eigen::Vector2f> nowhere = {{1e30F, -1e30F}, {-kInfinity, std::nanf("")}};
+  const KeypointGrid far(nowhere, test_camera());
   int all = 0;
   far.for_each_near({0, 0}, kInfinity, [&all](int) { ++all; });
   EXPECT_EQ(all, 2) << "what is nowhere is in a cell all the same";
