@@ -45,7 +45,7 @@ class KeyframeIndex {
   static constexpr uint32_t kPerBlock = 3;
   // A word that more keyframes have tells little of each of them. It is passed over, so that the time of a query does
   // not grow with the number of keyframes.
-  static constexpr uint32_t kCommon = 64;
+  static constexpr uint32_t kCommon = 256;
   static constexpr uint32_t kNoBlock = std::numeric_limits<uint32_t>::max();
   struct Entry {
     int64_t keyframe = 0;

@@ -67,7 +67,7 @@ void BlockFactor::subtract(const Column& from, size_t first, int column) {
 bool BlockFactor::finish(int column) {
   Column& c = columns_[column];
   const Eigen::LLT<Block> llt(c.diagonal);
-  if (llt.info() != Eigen::Success) return false;
+  if (llt.info() != Eigen::Success || !c.diagonal.allFinite()) return false;  // LLT accepts NaN
   c.diagonal = llt.matrixL();
   for (int k = 0; k < 6; ++k) {
     for (int i = 0; i < k; ++i) c.below.col(k) -= c.below.col(i) * c.diagonal(k, i);
@@ -76,20 +76,13 @@ bool BlockFactor::finish(int column) {
   return true;
 }
 
-bool BlockFactor::compute(const BlockMatrix& matrix, const Eigen::VectorXf& scale) {
-  const int n = matrix.size();
-  order(matrix);
-  std::vector<std::vector<int>> rows_of(n);
-  for (int r = 0; r < n; ++r)
-    for (const BlockMatrix::Entry& entry : matrix.row(r))
-      if (const auto [column, row] = std::minmax(position_of_[r], position_of_[entry.column]); column != row)
-        rows_of[column].push_back(row);
-  find_rows(rows_of);
+// Copies the matrix into the columns.
+void BlockFactor::fill(const BlockMatrix& matrix, const Eigen::VectorXf& scale) {
   const auto scaled = [&](int r, const BlockMatrix::Entry& entry) -> Block {
     return scale.segment<6>(6 * r).asDiagonal() * entry.block.cast<float>() *
            scale.segment<6>(6 * entry.column).asDiagonal();
   };
-  for (int r = 0; r < n; ++r)
+  for (int r = 0; r < matrix.size(); ++r)
     for (const BlockMatrix::Entry& entry : matrix.row(r)) {
       const int row = position_of_[r], column = position_of_[entry.column];
       if (row == column) {
@@ -103,6 +96,18 @@ bool BlockFactor::compute(const BlockMatrix& matrix, const Eigen::VectorXf& scal
       else
         to.below.middleRows<6>(6 * at) = scaled(r, entry).transpose();
     }
+}
+
+bool BlockFactor::compute(const BlockMatrix& matrix, const Eigen::VectorXf& scale) {
+  const int n = matrix.size();
+  order(matrix);
+  std::vector<std::vector<int>> rows_of(n);
+  for (int r = 0; r < n; ++r)
+    for (const BlockMatrix::Entry& entry : matrix.row(r))
+      if (const auto [column, row] = std::minmax(position_of_[r], position_of_[entry.column]); column != row)
+        rows_of[column].push_back(row);
+  find_rows(rows_of);
+  fill(matrix, scale);
   // By row: the finished columns that have a block there and none between their diagonal and it that is not used yet.
   std::vector<std::vector<std::pair<int, size_t>>> next(n);
   place_of_.assign(n, 0);

@@ -33,6 +33,7 @@ class BlockFactor {
 
   void order(const BlockMatrix& matrix);
   void find_rows(const std::vector<std::vector<int>>& rows_of);
+  void fill(const BlockMatrix& matrix, const Eigen::VectorXf& scale);
   void subtract(const Column& from, size_t first, int column);
   bool finish(int column);
 

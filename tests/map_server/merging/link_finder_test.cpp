@@ -82,7 +82,7 @@ TEST_F(LinkFinderTest, APairThatFitsIsComparedAgainOnlyWhereWhatItSharesHasChang
   EXPECT_LT(mark(), 99);
 }
 
-// What is new in the map is searched for once its landmarks are known well, what is not in the map at once.
+// A new keyframe of the map is searched for once its landmarks are known well; one outside the map at once.
 TEST_F(LinkFinderTest, NewKeyframesOfTheMapWaitUntilTheyAreSettled) {
   const auto newest_us = [this](SubmapKey key) { return chain_->submap(key).frames.rbegin()->first; };
   const SubmapKey key = Chain::kFront1;

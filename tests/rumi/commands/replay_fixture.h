@@ -57,7 +57,8 @@ class ReplayTest : public ::testing::Test {
       EXPECT_TRUE(bytes == second.at(name)) << name << " differs";
     }
     auto run_a = read_json_file(a / "run.json"), run_b = read_json_file(b / "run.json");
-    for (const char* varying : {"cpu_ms_per_frame", "cpu_ms_per_frame_by_stage", "cpu_s", "wall_s", "peak_rss_mb", "load"}) {
+    for (const char* varying :
+         {"cpu_ms_per_frame", "cpu_ms_per_frame_by_stage", "cpu_s", "wall_s", "peak_rss_mb", "load"}) {
       EXPECT_TRUE(run_a.contains(varying)) << varying;
       run_a.erase(varying), run_b.erase(varying);
     }
