@@ -82,8 +82,9 @@ void LinkFinder::search_places(const BuildInput& input, LinkGraph* graph) {
     }
   const auto settled_us = static_cast<int64_t>(options_.places.settled_s * 1e6);
   const auto waits = [&](const Place& place) {
-    return input.scope != BuildScope::kAll && graph->built.submaps.contains(place.submap) &&
-           place.image.utime_us > newest_us.at(place.submap.session) - settled_us;
+    if (input.scope == BuildScope::kAll || !graph->built.submaps.contains(place.submap)) return false;
+    const auto newest = newest_us.find(place.submap.session);
+    return newest != newest_us.end() && place.image.utime_us > newest->second - settled_us;
   };
   places_.search(input.submaps, joined, &graph->places, waits);
 }

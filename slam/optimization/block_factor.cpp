@@ -78,23 +78,19 @@ bool BlockFactor::finish(int column) {
 
 // Copies the matrix into the columns.
 void BlockFactor::fill(const BlockMatrix& matrix, const Eigen::VectorXf& scale) {
-  const auto scaled = [&](int r, const BlockMatrix::Entry& entry) -> Block {
-    return scale.segment<6>(6 * r).asDiagonal() * entry.block.cast<float>() *
-           scale.segment<6>(6 * entry.column).asDiagonal();
-  };
   for (int r = 0; r < matrix.size(); ++r)
     for (const BlockMatrix::Entry& entry : matrix.row(r)) {
       const int row = position_of_[r], column = position_of_[entry.column];
       if (row == column) {
-        columns_[row].diagonal = scaled(r, entry) + kRounding * Block::Identity();
+        columns_[row].diagonal = scaled(r, entry, scale) + kRounding * Block::Identity();
         continue;
       }
       Column& to = columns_[std::min(row, column)];
       const auto at = std::lower_bound(to.rows.begin(), to.rows.end(), std::max(row, column)) - to.rows.begin();
       if (row > column)
-        to.below.middleRows<6>(6 * at) = scaled(r, entry);
+        to.below.middleRows<6>(6 * at) = scaled(r, entry, scale);
       else
-        to.below.middleRows<6>(6 * at) = scaled(r, entry).transpose();
+        to.below.middleRows<6>(6 * at) = scaled(r, entry, scale).transpose();
     }
 }
 

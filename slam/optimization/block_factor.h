@@ -13,6 +13,13 @@ namespace rumi {
 // section 4.8), in an order of few new blocks (approximate minimum degree, Amestoy et al., 1996).
 class BlockFactor {
  public:
+  using Block = Eigen::Matrix<float, 6, 6>;
+  // Returns a block of the row of scale * matrix * scale.
+  static Block scaled(int row, const BlockMatrix::Entry& entry, const Eigen::VectorXf& scale) {
+    return scale.segment<6>(6 * row).asDiagonal() * entry.block.cast<float>() *
+           scale.segment<6>(6 * entry.column).asDiagonal();
+  }
+
   // Factors scale * matrix * scale with kRounding added to its diagonal. `scale` should give it a unit diagonal.
   // Returns false if that is not positive definite.
   bool compute(const BlockMatrix& matrix, const Eigen::VectorXf& scale);
@@ -23,7 +30,6 @@ class BlockFactor {
   static constexpr float kRounding = 1e-5F;
 
  private:
-  using Block = Eigen::Matrix<float, 6, 6>;
   using Panel = Eigen::Matrix<float, Eigen::Dynamic, 6>;
   struct Column {
     std::vector<int> rows;           // rows of blocks below the diagonal that may differ from zero, ascending

@@ -82,7 +82,7 @@ class NormalEquations {
   };
 
   std::vector<std::vector<int>> pattern() const;
-  // The second derivatives of an observation: by its point, by its view, and mixed. Gradients too.
+  // Derivatives of the cost of an observation, of which those by its point and by its view are made.
   struct Derivatives {
     Eigen::Vector3d in_camera;  // the point in the camera's frame
     Eigen::Matrix3d hessian;    // by in_camera

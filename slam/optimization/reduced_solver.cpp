@@ -37,8 +37,7 @@ bool ReducedSolver::factorize(const BlockMatrix& matrix) {
   dense_.setZero(6 * size_, 6 * size_);
   for (int r = 0; r < size_; ++r)
     for (const BlockMatrix::Entry& entry : matrix.row(r))
-      dense_.block<6, 6>(6 * r, 6 * entry.column) = scale_.segment<6>(6 * r).asDiagonal() * entry.block.cast<float>() *
-                                                    scale_.segment<6>(6 * entry.column).asDiagonal();
+      dense_.block<6, 6>(6 * r, 6 * entry.column) = BlockFactor::scaled(r, entry, scale_);
   dense_.diagonal().array() += BlockFactor::kRounding;
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXf>> in_place(dense_);
   return in_place.info() == Eigen::Success;
